@@ -79,7 +79,7 @@ fn of(row: &Value, field: &str) -> f64 {
 }
 
 fn paper() -> String {
-    let planners = ["auto", "lead", "coverage", "rrt", "rc-rrt", "rg-rrt", "eg-rrt"];
+    let planners = ["auto", "distance-guided", "coverage", "rrt", "rc-rrt", "rg-rrt", "eg-rrt"];
     let rows = experiment(&format!("paper --bounds reduced --seconds 20 --planners {}", planners.join(",")), "rows");
     let mut out = String::from("| | Test 1: nodes | ms | Test 2, as drawn: nodes | ms |\n|---|---|---|---|---|\n");
     for planner in planners {
@@ -92,9 +92,9 @@ fn paper() -> String {
 }
 
 fn worlds() -> String {
-    let planners = ["auto", "lead", "coverage"];
+    let planners = ["auto", "distance-guided", "coverage"];
     let mut out = String::from(
-        "| world, goal | `auto` | | | `lead` | | | `coverage` | | |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "| world, goal | `auto` | | | `distance-guided` | | | `coverage` | | |\n|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut files: Vec<_> = std::fs::read_dir("benches/worlds").unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();

@@ -37,7 +37,7 @@ pub fn play(out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
         input.set(walk, 1.0);
         input.set(jump, if frame % 60 < 30 { 1.0 } else { 0.0 });
         let mut events = Vec::new();
-        run.step_and_tell(&input, &mut |event| events.push(event)).map_err(|fault| format!("{fault:?}"))?;
+        run.step_with_events(&input, &mut |event| events.push(event)).map_err(|fault| format!("{fault:?}"))?;
         let (x, y) = run.instance(mario).position();
         let name = |slot| &world.slots[slot].name;
         for event in events {

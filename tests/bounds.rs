@@ -47,7 +47,7 @@ fn groups_are_told_apart_and_lines_are_short() {
             assert!(line.chars().count() <= 120, "{file}: {line}");
             assert_eq!(line, line.trim_end(), "{file}");
         }
-        assert!(text.contains("in all: "), "{text}");
+        assert!(text.contains("total: "), "{text}");
     }
     let text = bounds(&["examples/link.hyped"]);
     let link = slot(&text, "hero: Link");

@@ -188,7 +188,7 @@ fn findings_without_end_are_counted() {
     assert_eq!(json["findings"].as_array().unwrap().len(), 10_000);
     assert_eq!(json["programs"][0]["errors"], 25_000);
     let message = String::from_utf8(output.stderr).unwrap();
-    assert!(message.ends_with(": more than 10000 findings; 15000 of them are counted alone\n"), "{message}");
+    assert!(message.ends_with(": more than 10000 findings; the other 15000 are only counted\n"), "{message}");
 }
 
 #[test]

@@ -219,7 +219,7 @@ fn a_run_that_is_interrupted_says_how_to_go_on() {
     let output = child.wait_with_output().unwrap();
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{error}");
-    let message = "stopped when 2 of 4 were done; they are in `rows.jsonl`, and the same command goes on from there";
+    let message = "stopped when 2 of 4 were done; they are in `rows.jsonl`, and the same command continues from there";
     assert!(error.contains(message), "{error}");
     assert!(String::from_utf8_lossy(&output.stdout).contains("2 levels: 2 reached"));
     let levels: Vec<String> = verdicts(&place.rows("rows.jsonl")).into_iter().map(|(level, ..)| level).collect();
@@ -266,7 +266,7 @@ fn a_line_that_was_cut_off_is_done_anew() {
         assert_eq!(code, 0, "cut at {end}: {error}");
         assert_eq!(place.rows("rows.jsonl"), whole, "cut at {end}");
         let is_cut = ![0, second - 1, second, third - 1, third, text.len() - 1].contains(&end);
-        assert_eq!(error.contains("was cut off"), is_cut, "cut at {end}: {error}");
+        assert_eq!(error.contains("is incomplete"), is_cut, "cut at {end}: {error}");
         let kept = if end < second - 1 {
             0
         } else if end < third - 1 {
@@ -364,8 +364,8 @@ fn what_is_asked_wrongly_is_told_before_all_levels() {
         ("--map levels --tree", "--tree"),
         ("--map empty", "holds no level"),
         ("--results r.jsonl", "leaves its map to the command line"),
-        ("--map levels --results other.jsonl", "`other.jsonl` is left as it is; line 1"),
-        ("--map levels --baseline other.jsonl", "`other.jsonl` is no baseline; line 1"),
+        ("--map levels --results other.jsonl", "`other.jsonl` is unchanged; line 1"),
+        ("--map levels --baseline other.jsonl", "`other.jsonl` is not a baseline; line 1"),
         ("--map levels --baseline none.jsonl", "cannot read `none.jsonl`"),
         ("--map levels --results no/folder/r.jsonl", "cannot write `no/folder/r.jsonl`"),
         ("--map levels --csv no/folder/r.csv", "cannot write `no/folder/r.csv`"),

@@ -95,7 +95,7 @@ fn a_state_that_was_damaged_is_refused_or_runs() {
                 run.set_state(&state);
                 for _ in 0..20 {
                     stir(&mut input, &mut rng);
-                    if run.step_and_tell(&input, &mut |_| {}).is_err() {
+                    if run.step_with_events(&input, &mut |_| {}).is_err() {
                         break;
                     }
                 }
@@ -123,7 +123,7 @@ fn a_state_of_another_world_is_refused_and_one_of_other_numbers_is_not() {
     let faster = room("param speed = 5\nmode m { x' = speed; when x > 3 -> m }", "");
     assert!(faster.load(&saved).is_ok());
     for other in [room("mode n { x' = 3 }", ""), room("mode m { x' = 3 }", "place b: A at (9, 9)")] {
-        assert_eq!(other.load(&saved), Err(NotAState::OfAnotherWorld));
+        assert_eq!(other.load(&saved), Err(NotAState::OtherWorld));
     }
     assert_eq!(before.load(b"hypedst1"), Err(NotAState::Header));
     assert_eq!(before.load(b""), Err(NotAState::Header));
@@ -149,7 +149,7 @@ fn what_is_told_is_what_has_changed() {
             }
             let before = run.state().clone();
             let mut told = Vec::new();
-            if run.step_and_tell(&input, &mut |event| told.push(event)).is_err() {
+            if run.step_with_events(&input, &mut |event| told.push(event)).is_err() {
                 break;
             }
             kinds.extend(told.iter().map(|event| format!("{event:?}").split('(').next().unwrap().to_string()));
@@ -204,7 +204,7 @@ fn a_run_allocates_nothing_whether_somebody_listens_or_not() {
                 stir(&mut input, &mut rng);
                 let stepped = match step % 2 {
                     0 => run.step(&input),
-                    _ => run.step_and_tell(&input, &mut |_| heard += 1),
+                    _ => run.step_with_events(&input, &mut |_| heard += 1),
                 };
                 if stepped.is_err() {
                     break;

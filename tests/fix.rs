@@ -135,9 +135,9 @@ fn check_mends_files_and_what_they_import() {
     let told = String::from_utf8(output.stderr).unwrap().replace(&at.display().to_string(), "…");
     assert_eq!(
         told,
-        "mended …/game/main.hyped:3:1: write `entity` (E0101)\n\
-         mended …/game/parts/inside.hyped:3:10: write `speed` (E0201)\n\
-         mended …/game/main.hyped:5:10: write `speed` (E0201)\n"
+        "fixed …/game/main.hyped:3:1: write `entity` (E0101)\n\
+         fixed …/game/parts/inside.hyped:3:10: write `speed` (E0201)\n\
+         fixed …/game/main.hyped:5:10: write `speed` (E0201)\n"
     );
     assert_eq!(
         read("game/main.hyped"),

@@ -3,10 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use crate::support::Text;
 use hypedc::compile::check_with;
+use hypedc::parallel::{TaskContext, work};
 
 /// The bytes of a text.
 const SIZE: usize = 1 << 20;
@@ -124,14 +126,21 @@ fn most(text: &str) -> u64 {
 
 #[test]
 fn a_check_takes_memory_by_the_byte() {
-    let mut over = Vec::new();
-    for (name, text) in shapes() {
-        let each = most(&text) as f64 / text.len() as f64;
+    let (shapes, mut over) = (shapes(), Vec::new());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    // Allocations are counted by thread.
+    let measure = |at: usize, context: &TaskContext<'_, f64>| {
+        let (_, text) = &shapes[at];
+        context.submit(most(text) as f64 / text.len() as f64);
+    };
+    work(shapes.len(), threads, &|| false, &measure, &mut |at, each| {
+        let (name, _) = shapes[at];
         println!("{name:25} {each:7.1}");
         if each > MAX_BYTES_PER_BYTE {
             over.push(format!("{name}: {each:.1} bytes for each, not {MAX_BYTES_PER_BYTE}"));
         }
-    }
+        ControlFlow::Continue(())
+    });
     assert!(over.is_empty(), "{over:#?}");
 }
 

@@ -45,7 +45,7 @@ fn what_is_there_already_is_left() {
     for path in [folder.clone(), folder.join("game.hyped")] {
         let output = hypedc(&["new", path.to_str().unwrap()]);
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
-        assert!(String::from_utf8_lossy(&output.stderr).contains("is there already"));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("exists already"));
     }
     assert_eq!(std::fs::read_to_string(folder.join("game.hyped")).unwrap(), "mine\n");
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);

@@ -143,7 +143,7 @@ fn exhaustion_agrees_with_a_search_step_by_step() {
                         assert!(!plan.is_shortest || plan.steps == steps, "{what}");
                     }
                     (Verdict::Exhausted(all) | Verdict::Unreachable(Argument::Exhaustion(all)), None) => {
-                        assert_eq!(all.least_hold, least, "{what}");
+                        assert_eq!(all.min_hold, least, "{what}");
                         proven += 1;
                     }
                     (Verdict::Unreachable(Argument::Over), None) => {}
@@ -255,7 +255,7 @@ fn too_little_time_is_proven_at_once() {
             "{name}"
         );
         let problem = Problem::asking(&sim, target(&program, goal)).within(10);
-        let outcome = asked(&problem, Planner::Lead, 1, 100);
+        let outcome = asked(&problem, Planner::DistanceGuided, 1, 100);
         assert!(!matches!(outcome.verdict, Verdict::Unreachable(_)), "{name}");
     }
 }
@@ -367,7 +367,7 @@ fn a_never_is_proven_by_what_the_world_can_be() {
         never risen: a.y > 8\n never through: a.x > 61\n never outside: a.x < 0\n never twice: a.x < 2 and a.x > -1 }\n";
     let path = written("nevers.hyped", text);
     for never in ["risen", "through"] {
-        let proven = format!("never {never}: proven, it holds in no state that the world can be in");
+        let proven = format!("never {never}: proven, it holds in no reachable state");
         has(&["reach", &path, "--never", never], 0, &[&proven, "never holds"]);
     }
     // One is broken out of bounds, the other where the first of both is not yet.
@@ -385,12 +385,12 @@ fn a_never_is_proven_or_not_answered() {
     has(
         &["reach", STEPS, "--never", "away", "--planner", "exhaustive"],
         0,
-        &["never away: proven, there is no way to break it\n", "all buttons, axes at -1, 0 and 1"],
+        &["never away: proven, it cannot be violated\n", "all buttons, axes at -1, 0 and 1"],
     );
     has(
         &["reach", STEPS, "--never", "away", "--planner", "exhaustive", "--min-hold", "5frames"],
         0,
-        &["proven, there is no way to break it by inputs that are held for at least 5 steps\n"],
+        &["proven, it cannot be violated by inputs that are held for at least 5 steps\n"],
     );
     has(
         &["reach", STEPS, "--never", "away", "--planner", "rrt", "--nodes", "50"],
@@ -410,7 +410,7 @@ fn a_never_is_proven_or_not_answered() {
         "entity Rock { }\nworld W {\n    space main { place rock: Rock at (3, 4) }\n    never gone: not near(rock, (3, 4), 0)\n}\n",
     );
     has(&["reach", &still, "--never", "gone"], 0, &["the only state was visited"]);
-    has(&["reach", "--help"], 0, &["Exit codes: 0 if every question is answered as wished"]);
+    has(&["reach", "--help"], 0, &["Exit codes: 0 if every question is answered as expected"]);
 }
 
 #[test]

@@ -473,7 +473,7 @@ fn distances_lead_round_walls_and_through_links() {
             let sim = Simulator::new(&program, WORLD);
             let problem = Problem::new(&sim, GoalId(0));
             let space = configuration_space(&program, WORLD);
-            let settings = Settings { seed, planner: Planner::Lead, ..Settings::default() };
+            let settings = Settings { seed, planner: Planner::DistanceGuided, ..Settings::default() };
             let limits = Limits { nodes: 5_000, ..Limits::default() };
             let outcome = grow(&problem, &space, &settings, &limits, &Unwatched).unwrap();
             let Verdict::Reached(plan) = outcome.verdict else { panic!("{goal}, seed {seed}: {:?}", outcome.verdict) };

@@ -156,7 +156,7 @@ fn a_run_is_made_again_from_its_header_alone() {
         place.write("changed", &with(&changed));
         let (code, shown, _) = place.sim(&["--replay", "changed"]);
         let place_of_x = if name == "a.csv" { "hero.x: 8.25" } else { "instances.hero.x[0]: 8.25" };
-        let told = format!("changed: step 7 is the first that differs, in {place_of_x} in the trace, 8.");
+        let told = format!("changed: step 7 is the first to differ, in {place_of_x} in the trace, 8.");
         assert!(code == 1 && shown.starts_with(&told), "{shown}");
         place.write("cut", &(lines[..at].join("\n") + "\n"));
         let cut = place.sim(&["--replay", "cut"]);
@@ -175,11 +175,11 @@ fn a_trace_of_another_program_is_told() {
     let (code, shown, _) = place.sim(&["fast.hyped", "--replay", "a.jsonl"]);
     assert_eq!(code, 1);
     assert!(
-        shown.starts_with("a.jsonl: made from another program than fast.hyped\n  SHA-256 of the trace  "),
+        shown.starts_with("a.jsonl: recorded with a different program than fast.hyped\n  SHA-256 of the trace  "),
         "{shown}"
     );
     assert!(
-        shown.contains("step 1 is the first that differs, in instances.hero.x[0]: 1.3 in the trace, 1.32 now"),
+        shown.contains("step 1 is the first to differ, in instances.hero.x[0]: 1.3 in the trace, 1.32 now"),
         "{shown}"
     );
     place.write("same.hyped", &format!("entity Unused {{ }}\n{GAME}"));

@@ -274,7 +274,7 @@ pub const SHAPES: &[Shape] = &[
             groups.collect::<String>()
         )
     }),
-    ("colliders and contact questions", |n| {
+    ("colliders and contact queries", |n| {
         let colliders = (0..n).map(|i| format!("collider t{}: rect({i}, 0, 8, 8) when c == {}\n", i % 50, i % 9));
         let edges = (0..n).map(|i| format!("when touching(t{}, t{}) {{ c := {} }}\n", i % 50, i / 50 % 50, i % 9));
         format!(

@@ -52,7 +52,7 @@
 //! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`kind_summary`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
 //! | `remove_destroyed`: references become none | references may always be none | – | oracle |
-//! | observation: `never`, then written bounds, then `goal` | `forbidden`, `within_bounds`, `can_turn_out` | – | `tests/border.rs` |
+//! | observation: `never`, then written bounds, then `goal` | `forbidden`, `within_bounds`, `can_evaluate_to` | – | `tests/border.rs` |
 
 mod domain;
 mod findings;
@@ -83,10 +83,10 @@ use step::evaluate::{Joined, Phase, Pinned, Reader};
 use step::forbidden::Forbidden;
 
 /// Maximum number of branches, if players are distinguished by place.
-const MAX_EFFORT_BY_PLACE: usize = 60_000;
+const MAX_BRANCHES_BY_PLACE: usize = 60_000;
 
 /// Maximum number of branches of steps per world; above it, the world is given up and everything is possible.
-const MAX_EFFORT: usize = 300_000;
+const MAX_BRANCHES: usize = 300_000;
 
 /// Why a slot was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +94,7 @@ pub enum GivenUp {
     /// There are too many combinations of leaves, or too many ways of a step.
     Combinations,
     /// The analysis takes too many steps.
-    Effort,
+    Budget,
     /// The watch stopped it.
     Stopped,
 }
@@ -104,7 +104,7 @@ impl GivenUp {
     pub fn reason(self) -> String {
         match self {
             GivenUp::Combinations => format!("more than {} combinations of modes", fixpoint::MAX_CONFIGURATIONS),
-            GivenUp::Effort => "the world takes too many steps to analyse".to_string(),
+            GivenUp::Budget => "the world takes too many steps to analyse".to_string(),
             GivenUp::Stopped => "the analysis was stopped".to_string(),
         }
     }
@@ -138,13 +138,13 @@ pub struct ConfigurationSpace {
 /// Computes the configuration space of a world.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, &[], counter_bounds::limits(program, world), &mut { MAX_EFFORT }, &Unwatched)
+    within_limits(program, world, &[], counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, &Unwatched)
 }
 
 /// As [`configuration_space`], for runs on which some predicates of the world never hold.
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_EFFORT }, &Unwatched)
+    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, &Unwatched)
 }
 
 /// As [`configuration_space_without`]; if the watch stops it, everything is possible.
@@ -155,7 +155,7 @@ pub fn watched_space(
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_EFFORT }, watch)
+    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, watch)
 }
 
 /// A copy of the program in which only a fault ends a run of the world: it has no `bounds`, and an analysis without
@@ -206,7 +206,7 @@ impl ConfigurationSpace {
         if scene.refine() {
             let forbidden = Forbidden { program, world: table, predicates };
             let limits = counter_bounds::limits(program, table);
-            let mut analysis = Analysis::new(scene, forbidden, limits, MAX_EFFORT_BY_PLACE, watch);
+            let mut analysis = Analysis::new(scene, forbidden, limits, MAX_BRANCHES_BY_PLACE, watch);
             analysis.run();
             let finer = analysis.finish();
             let is_known = finer.slots.iter().all(|s| !s.is_given_up);
@@ -222,13 +222,13 @@ impl ConfigurationSpace {
 
     /// Whether a goal can hold in some state; if not, it is proven unreachable.
     pub fn can_hold(&self, program: &Program, world: WorldId, goal: GoalId) -> bool {
-        self.can_turn_out(program, world, program.worlds[world].goals[goal].holds, true)
+        self.can_evaluate_to(program, world, program.worlds[world].goals[goal].holds, true)
     }
 
     /// Whether a predicate of the world, or a part of one, can hold (or fail) in some state.
-    pub fn can_turn_out(&self, program: &Program, world: WorldId, predicate: ExprId, holds: bool) -> bool {
+    pub fn can_evaluate_to(&self, program: &Program, world: WorldId, predicate: ExprId, holds: bool) -> bool {
         let table = &program.worlds[world];
-        if self.finer.as_ref().is_some_and(|f| !f.can_turn_out(program, world, predicate, holds)) {
+        if self.finer.as_ref().is_some_and(|f| !f.can_evaluate_to(program, world, predicate, holds)) {
             return false;
         }
         let reader = self.reader(program, table, None);

@@ -46,7 +46,7 @@ pub(super) fn run(args: &CheckArgs) -> io::Result<Exit> {
         }
         let (left, most) = (found.left_out(), MAX_FINDINGS);
         if left > 0 {
-            writeln!(io::stderr(), "{}: more than {most} findings; {left} of them are counted alone", path.display())?;
+            writeln!(io::stderr(), "{}: more than {most} findings; the other {left} are only counted", path.display())?;
         }
         if matches!(args.format, FindingFormat::Json | FindingFormat::Sarif) {
             kept.push((path, compilation));
@@ -97,7 +97,7 @@ fn exit_code(found: &Diagnostics, deny_warnings: bool) -> Exit {
 
 fn summary(found: &Diagnostics, hint: bool) -> String {
     let mendable = found.iter().filter(|d| d.fix.is_some()).count();
-    let hint = if hint && mendable > 0 { format!("; `--fix` mends {mendable}") } else { String::new() };
+    let hint = if hint && mendable > 0 { format!("; `--fix` fixes {mendable}") } else { String::new() };
     let count = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     let counts = match found.counts() {
         (0, 0) => "no errors".to_string(),

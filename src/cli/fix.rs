@@ -29,7 +29,7 @@ pub(super) fn apply_fixes(root: &Path, level: LevelFile<'_>) -> io::Result<bool>
         for (file, edits) in by_file(chosen.iter().map(|(_, fix)| *fix)) {
             if let Err(why) = write(&sources, file, &edits) {
                 let path = sources.file(file).path.display();
-                plain_error(&format!("cannot mend `{path}`: {why}"))?;
+                plain_error(&format!("cannot fix `{path}`: {why}"))?;
                 return Ok(false);
             }
         }
@@ -38,7 +38,7 @@ pub(super) fn apply_fixes(root: &Path, level: LevelFile<'_>) -> io::Result<bool>
                 let file = sources.file(span.file());
                 let (line, column) = file.line_column(span.range().start);
                 let path = file.path.display();
-                writeln!(io::stderr(), "mended {path}:{line}:{column}: {} ({})", fix.title, d.code)?;
+                writeln!(io::stderr(), "fixed {path}:{line}:{column}: {} ({})", fix.title, d.code)?;
             }
         }
     }
@@ -65,7 +65,7 @@ fn write(sources: &SourceMap, file: FileId, edits: &[(Span, &str)]) -> Result<()
     let (mark, rest) = if bytes.starts_with(MARK) { bytes.split_at(MARK.len()) } else { (&[][..], &bytes[..]) };
     let text = std::str::from_utf8(rest).map_err(|e| e.to_string())?;
     let Some(text) = apply_edits(text, edits) else {
-        return Err("its fixes do not go together".to_string());
+        return Err("its fixes conflict with each other".to_string());
     };
     replace(&path, &[mark, text.as_bytes()].concat(), &bytes).map_err(|e| e.to_string())
 }

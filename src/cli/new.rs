@@ -18,12 +18,12 @@ const FILES: [(&str, &str); 3] = [
 pub(super) fn run(args: &NewArgs) -> io::Result<Exit> {
     let folder = args.name.as_path();
     let Some(name) = folder.file_name() else {
-        plain_error(&format!("`{}` is no name for a folder", folder.display()))?;
+        plain_error(&format!("`{}` is not a valid folder name", folder.display()))?;
         return Ok(Exit::Refused);
     };
     if let Err(error) = make(folder, &name.to_string_lossy()) {
         let why = match error.kind() {
-            io::ErrorKind::AlreadyExists => "it is there already, and is left as it is".to_string(),
+            io::ErrorKind::AlreadyExists => "it exists already and is unchanged".to_string(),
             _ => error.to_string(),
         };
         plain_error(&format!("cannot make `{}`: {why}", folder.display()))?;

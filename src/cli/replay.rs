@@ -141,6 +141,6 @@ impl Trace {
             return None;
         }
         let (what, old, new) = first_difference(self.format, columns, &line, expected);
-        Some(format!("{place} is the first that differs, in {what}: {old} in the trace, {new} now"))
+        Some(format!("{place} is the first to differ, in {what}: {old} in the trace, {new} now"))
     }
 }

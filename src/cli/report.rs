@@ -100,7 +100,7 @@ fn load_compiled(
         NoQuestion { why, near: None, help: Some("give the `.hyped` file that it was made from".into()) }
     };
     if level.map.is_some() || level.legend.is_some() || level.tile.is_some() {
-        show_fact(&sources, only("has all the maps that it will have"))?;
+        show_fact(&sources, only("has all of its maps: `--map` has nothing to fill"))?;
         return Ok(None);
     }
     if constraint.is_some() {

@@ -45,11 +45,11 @@ pub struct Settings {
     pub min_hold: Option<String>,
     /// Whether paths are shortened.
     pub minimize: bool,
-    /// The most nodes; none: as many as come.
+    /// Maximum number of nodes; none: no limit.
     pub nodes_limit: Option<u64>,
-    /// The most seconds.
+    /// Maximum time, s.
     pub seconds_limit: Option<f64>,
-    /// The most memory, bytes.
+    /// Maximum memory, bytes.
     pub memory_limit: u64,
 }
 

@@ -59,9 +59,7 @@ impl Report<'_> {
             out.push_str(&title(question));
             out.push_str("\n\n");
             if mine.is_empty() {
-                out.push_str(
-                    "proven unreachable: it holds in no state that the world can be in; nothing was searched\n",
-                );
+                out.push_str("proven unreachable: it holds in no reachable state; nothing was searched\n");
             } else {
                 out.push_str(&self.table(&mine, question.paper.is_some()));
                 self.footnotes(&mine, &mut out);

@@ -68,7 +68,7 @@ ids! {
     NeverId "never" "A `never` of one world."
     ExprId "expr" "An expression of the program's arena."
     LeafId "leaf" "A mode without modes inside, of one entity, in preorder."
-    TouchId "touch" "A distinct contact question of one entity: one bit of the state."
+    TouchId "touch" "A distinct contact query of one entity: one bit of the state."
     TimerId "timer" "A mode whose time is read, of one entity: one counter of the state."
 }
 

@@ -41,7 +41,7 @@ pub struct SlotLayout {
     pub peaks: usize,
     /// A `u16` for each reference: 0 for none, or 1 plus the slot.
     pub refs: usize,
-    /// A `u16` for each contact question that is bound: 0, or 1 plus the lowest slot that is touched.
+    /// A `u16` for each contact query that is bound: 0, or 1 plus the lowest slot that is touched.
     pub bound: usize,
     /// A `u16`: the space.
     pub space: usize,
@@ -49,7 +49,7 @@ pub struct SlotLayout {
     pub carrier: usize,
     /// A byte: 0 where there is no instance, 1 for one that is alive.
     pub alive: usize,
-    /// Bits from the lowest: whether each contact question held in the last collision phase.
+    /// Bits from the lowest: whether each contact query held in the last collision phase.
     pub touches: usize,
 }
 

@@ -15,7 +15,7 @@ pub enum Subject {
     Slot(SlotId),
     /// What a reference of the instance refers to.
     Ref(RefId),
-    /// The instance that a contact question of the instance found (`touching(…) as e`).
+    /// The instance that a contact query of the instance found (`touching(…) as e`).
     Touched(TouchId),
 }
 

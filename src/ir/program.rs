@@ -165,7 +165,7 @@ pub struct Entity {
     pub envelopes: RareVec<EnvelopeId, Envelope>,
     /// Leaves in preorder, group by group.
     pub leaves: RareVec<LeafId, Leaf>,
-    /// The distinct contact questions of the entity and of the goals about it: one bit each.
+    /// The distinct contact queries of the entity and of the goals about it: one bit each.
     pub touches: RareVec<TouchId, Touch>,
     /// How many of them, the first ones, keep the instance that is touched.
     pub bound: usize,
@@ -581,7 +581,7 @@ pub struct Leaf {
     pub inputs: Inputs,
 }
 
-/// A contact question: a collider of one's own tagged with one of `mine`, something tagged `other`, on a side.
+/// A contact query: a collider of one's own tagged with one of `mine`, something tagged `other`, on a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Touch {

@@ -105,7 +105,7 @@ pub struct EntitySpans {
     pub colliders: RareVec<ColliderId, Span>,
     /// Of each group's name (of the anonymous one: the entity's).
     pub groups: RareVec<GroupId, Span>,
-    /// Of each contact question: where it is first asked.
+    /// Of each contact query: where it is first asked.
     pub touches: RareVec<TouchId, Span>,
     /// Of each mode's name.
     pub modes: RareVec<ModeId, Span>,

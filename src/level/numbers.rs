@@ -91,7 +91,7 @@ fn decompress(text: &str, compression: &str, most: u64) -> Result<Vec<u8>, Strin
             return Err(format!("the compression `{other}` is not read: choose zlib, gzip or none in the editor"));
         }
     };
-    read.map(|_| bytes).map_err(|error| format!("cannot be unpacked: {error}"))
+    read.map(|_| bytes).map_err(|error| format!("cannot be decompressed: {error}"))
 }
 
 #[cfg(not(feature = "tiled"))]

@@ -1,6 +1,6 @@
 //! The distance field of the goal: the number of places on the shortest path around static obstacles, whatever the
 //! player's abilities, as in Barraquand and Latombe, *Robot Motion Planning: A Distributed Representation Approach*,
-//! 1991. A link counts as one place. Used by `planners/lead.rs`. With a time limit, also a lower bound of the remaining
+//! 1991. A link counts as one place. Used by `planners/distance_guided.rs`. With a time limit, also a lower bound of the remaining
 //! time, from the maximum velocities.
 
 use std::collections::VecDeque;

@@ -17,5 +17,5 @@ pub fn plan_from_script(problem: &Problem<'_>, script: &Script, after: u64, watc
         return None;
     }
     let cut = script.first(steps);
-    is_held(&cut, after, problem.least_hold()).then_some(Plan { steps, script: cut, after, is_shortest: false })
+    is_held(&cut, after, problem.min_hold()).then_some(Plan { steps, script: cut, after, is_shortest: false })
 }

@@ -1,7 +1,7 @@
 //! Exhaustive search: tries all inputs and visits each state once. Many worlds are finite under a fixed step, so it can
 //! prove a "no". Breadth first finds shortest paths; best first extends the state nearest to the goal.
 //!
-//! The inputs of a question are held for at least `least_hold` steps and can then change at any step: an automaton
+//! The inputs of a question are held for at least `min_hold` steps and can then change at any step: an automaton
 //! beside the world. Its state is the remaining hold and, where it matters, the input. During a hold there is no
 //! choice, so nodes exist only after it: from there the input continues for one step, or a new one starts and is held
 //! for its minimum. The result of a new input does not depend on the previous one, so it is tried once per state. If
@@ -319,7 +319,7 @@ impl<'a> Exhaustive<'a> {
         }
         let states = if self.change.continues() { self.expanded.len() } else { self.context.tree.len() } as u64;
         match self.change {
-            Change::After(steps) => Ending::Exhausted(Exhaustion { states, least_hold: steps }),
+            Change::After(steps) => Ending::Exhausted(Exhaustion { states, min_hold: steps }),
             Change::Every(steps) => {
                 self.context.notes.exhausted = Some((steps, states));
                 Ending::Spent

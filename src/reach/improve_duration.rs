@@ -29,7 +29,7 @@ pub fn improve_duration(
 ) -> Plan {
     let mut best = plan.clone();
     // By measurement, this planner is the best for it.
-    let planner = if settings.planner == Planner::Auto { Planner::Lead } else { settings.planner };
+    let planner = if settings.planner == Planner::Auto { Planner::DistanceGuided } else { settings.planner };
     let (mut left, mut round, mut tried) = (limits.nodes, 0, 0);
     // A shortest plan cannot be improved.
     while let Some(percent) = TIMES.get(tried).filter(|_| !best.is_shortest && left > 0 && !watch.stop()) {

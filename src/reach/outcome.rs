@@ -43,7 +43,7 @@ pub struct Exhaustion {
     /// Number of distinct states.
     pub states: u64,
     /// Minimum number of steps for which each input is held.
-    pub least_hold: u16,
+    pub min_hold: u16,
 }
 
 /// A path to the target.

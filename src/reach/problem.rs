@@ -92,7 +92,7 @@ pub struct Problem<'s> {
     /// Maximum number of steps from the start of the search.
     within: Option<u32>,
     /// Minimum number of steps for which each input is held.
-    least_hold: u16,
+    min_hold: u16,
     players: Vec<SlotId>,
     /// Checks the states created for an answer.
     monitor: Option<&'s Monitor>,
@@ -118,7 +118,7 @@ impl<'s> Problem<'s> {
             monitor: None,
             avoided: Vec::new(),
             within: None,
-            least_hold: 1,
+            min_hold: 1,
             starts: Vec::new(),
             initial: OnceLock::new(),
         }
@@ -165,13 +165,13 @@ impl<'s> Problem<'s> {
     /// inputs). After that, an input can change at any step. The target can be reached during a hold.
     #[must_use]
     pub fn holding(mut self, steps: u16) -> Self {
-        self.least_hold = steps.max(1);
+        self.min_hold = steps.max(1);
         self
     }
 
     /// Minimum number of steps for which an input is held.
-    pub fn least_hold(&self) -> u16 {
-        self.least_hold
+    pub fn min_hold(&self) -> u16 {
+        self.min_hold
     }
 
     /// Adds a start at the end of a script; without any, a search starts in the initial state.

@@ -32,7 +32,7 @@ impl Proof {
     /// in which a run ends, so its space must contain those states.
     pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Proof> {
         let (program, world) = (problem.sim.program(), problem.sim.world_id());
-        if space.can_turn_out(program, world, problem.predicate(), true) {
+        if space.can_evaluate_to(program, world, problem.predicate(), true) {
             return None;
         }
         let mut proof = Proof { parts: Vec::new() };
@@ -104,7 +104,7 @@ struct Prover<'a> {
 
 impl Prover<'_> {
     fn can(&self, id: ExprId, holds: bool) -> bool {
-        self.space.can_turn_out(self.problem.sim.program(), self.problem.sim.world_id(), id, holds)
+        self.space.can_evaluate_to(self.problem.sim.program(), self.problem.sim.world_id(), id, holds)
     }
 
     /// Collects the parts because of which an expression cannot have the wanted truth value.

@@ -212,7 +212,7 @@ impl<'a> Builder<'_, 'a> {
     /// Exhaustive searches with inputs that change only every few steps, finer and finer, up to all that the question
     /// admits.
     fn refinement(&self, tree: usize) -> Refinement<'a> {
-        let least = self.problem.least_hold();
+        let least = self.problem.min_hold();
         let coarse = COARSE.into_iter().filter(|hold| *hold > least).chain((least > 1).then_some(least));
         let changes = coarse.map(Change::Every).chain([Change::After(least)]);
         // With a time limit, only breadth-first search proves anything.
@@ -252,7 +252,7 @@ impl<'a> Builder<'_, 'a> {
                 Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
             }
             Method::Portfolio | Method::Exhaustive { .. } => {
-                let least = self.problem.least_hold();
+                let least = self.problem.min_hold();
                 let change = if hold.0 > least { Change::Every(hold.0) } else { Change::After(least) };
                 let is_best_first = matches!(planner.method(), Method::Exhaustive { is_best_first: true });
                 Box::new(self.exhaustive(tree, change, is_best_first))
@@ -267,12 +267,13 @@ const COARSE: [u16; 3] = [10, 5, 2];
 /// The sampling planners of `auto`, with their shares of the nodes. By measurement, the first solves most goals at a
 /// position soonest, the second most others, the third some that these do not. In addition, an exhaustive search with a
 /// share of 1 looks for proofs.
-const AUTO: [(u64, Planner); 3] = [(4, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
+const AUTO: [(u64, Planner); 3] = [(4, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
 /// With a time limit, the first is the best by far.
-const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::Lead), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// Without a distance field, as the goal is not at a position: `lead` then only favours places that were chosen less
+const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
+/// Without a distance field, as the goal is not at a position: `distance-guided` then only favours places that were chosen less
 /// often.
-const AUTO_WITHOUT_DISTANCES: [(u64, Planner); 3] = [(4, Planner::Coverage), (2, Planner::Lead), (1, Planner::Rrt)];
+const AUTO_WITHOUT_DISTANCES: [(u64, Planner); 3] =
+    [(4, Planner::Coverage), (2, Planner::DistanceGuided), (1, Planner::Rrt)];
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

@@ -137,7 +137,7 @@ impl<'a> SearchContext<'a> {
             controls,
             notes: Notes { coverage: Coverage::new(problem), ..Notes::default() },
             hold: {
-                let least = hold.0.max(problem.least_hold());
+                let least = hold.0.max(problem.min_hold());
                 (least, hold.1.max(least))
             },
             starts,

@@ -35,7 +35,7 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, watch: &dyn Watch) -> Plan {
         }
         let mut whole = prefix.clone();
         cut.steps.iter().for_each(|s| whole.push(&s.input, s.count));
-        is_held(&whole, kept, problem.least_hold()).then_some(cut.steps)
+        is_held(&whole, kept, problem.min_hold()).then_some(cut.steps)
     };
     let cost = |steps: &[ScriptStep]| (steps.len(), steps.iter().map(|s| u64::from(s.count)).sum::<u64>());
     let better = |new: &[ScriptStep], old: &[ScriptStep]| {

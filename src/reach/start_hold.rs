@@ -25,7 +25,7 @@ pub(super) enum StartStatus {
 /// # Errors
 /// A [`Fault`] if a predicate breaks a rule at the start.
 pub(super) fn finish_hold(problem: &Problem<'_>, mut start: Start, watch: &dyn Watch) -> Result<StartStatus, Fault> {
-    let least = u32::from(problem.least_hold());
+    let least = u32::from(problem.min_hold());
     let held = start.script.steps.last().filter(|held| held.count < least).cloned();
     let mut left = held.as_ref().map_or(0, |held| least - held.count);
     let (mut scratch, meter) = (problem.sim.scratch(), Meter::new(watch));

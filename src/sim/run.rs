@@ -50,7 +50,7 @@ use super::simulator::{Scratch, Simulator};
 /// for frame in 1..=120 {
 ///     input.set(up, if frame > 20 { 1.0 } else { 0.0 });
 ///     let mut heard = Vec::new();
-///     run.step_and_tell(&input, &mut |event| heard.push(event)).map_err(|fault| format!("{fault:?}"))?;
+///     run.step_with_events(&input, &mut |event| heard.push(event)).map_err(|fault| format!("{fault:?}"))?;
 ///     if heard.iter().any(|event| matches!(event, Event::Goal(_))) {
 ///         reached = Some((frame, run.instance(ball).position().1));
 ///     }
@@ -102,7 +102,7 @@ impl Run {
     ///
     /// # Errors
     /// As [`Run::step`].
-    pub fn step_and_tell(&mut self, input: &Input, on_event: &mut dyn FnMut(Event)) -> Result<(), Fault> {
+    pub fn step_with_events(&mut self, input: &Input, on_event: &mut dyn FnMut(Event)) -> Result<(), Fault> {
         self.step(input)?;
         self.sim.events(&self.before, &self.state, &self.scratch, on_event)
     }

@@ -62,7 +62,7 @@ pub enum NotAState {
     /// They were not saved as a state.
     Header,
     /// They were saved in a world with other instances, variables, modes or contacts.
-    OfAnotherWorld,
+    OtherWorld,
     /// An instance has an invalid value.
     Damaged {
         /// The instance; `None` for the buttons of the players.
@@ -76,7 +76,7 @@ impl fmt::Display for NotAState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotAState::Header => write!(f, "this is not a saved state"),
-            NotAState::OfAnotherWorld => write!(f, "the state was saved in a world with other instances or variables"),
+            NotAState::OtherWorld => write!(f, "the state was saved in a world with other instances or variables"),
             NotAState::Damaged { instance: Some(name), what } => {
                 write!(f, "the saved state is damaged: {name}: {what}")
             }
@@ -100,7 +100,7 @@ impl Simulator {
         let rest = bytes.strip_prefix(&MAGIC).ok_or(NotAState::Header)?;
         let (fingerprint, state) = rest.split_first_chunk().ok_or(NotAState::Header)?;
         if *fingerprint != self.fingerprint().to_le_bytes() || state.len() != self.world().layout.size {
-            return Err(NotAState::OfAnotherWorld);
+            return Err(NotAState::OtherWorld);
         }
         let damaged = |instance: Option<SlotId>, what| NotAState::Damaged {
             instance: instance.map(|slot| self.world().slots[slot].name.clone()),

@@ -122,7 +122,7 @@ impl Claims {
             nevers: table
                 .nevers
                 .pairs()
-                .filter(|(_, n)| !space.can_turn_out(program, world, n.holds, true))
+                .filter(|(_, n)| !space.can_evaluate_to(program, world, n.holds, true))
                 .map(|(id, _)| id)
                 .collect(),
             invariants: proven.filter(|(.., v)| *v == InvariantVerdict::Proven).map(|(e, i, _)| (e, i)).collect(),

@@ -49,7 +49,7 @@ pub fn denied(
         let mut seen = [false; 2];
         states.iter().filter_map(truth).for_each(|holds| seen[usize::from(holds)] = true);
         for holds in [false, true] {
-            if seen[usize::from(holds)] && !space.can_turn_out(program, world, predicate, holds) {
+            if seen[usize::from(holds)] && !space.can_evaluate_to(program, world, predicate, holds) {
                 let verb = if holds { "holds" } else { "fails" };
                 let name = text.clone().unwrap_or_else(|| format!("expression {predicate:?}"));
                 let opposite = |text: String| if holds { text } else { format!("not ({text})") };

@@ -212,7 +212,7 @@ fn unknown(name: &str, summary: Option<&EntitySummary<'_>>) -> Option<(Option<St
             (why.reason(), "split the entity, or let one group stand for several".to_string())
         }
         why => {
-            let why = why.unwrap_or(GivenUp::Effort).reason();
+            let why = why.unwrap_or(GivenUp::Budget).reason();
             (why, format!("check a smaller world with a `{name}`"))
         }
     };

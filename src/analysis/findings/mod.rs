@@ -32,7 +32,7 @@ use summary::{EntitySummary, Occurrence};
 use tunnelling::Tunnelling;
 
 /// Maximum number of branches of steps for all worlds of a program: a check runs while somebody types.
-const MAX_EFFORT: usize = 200_000;
+const MAX_BRANCHES: usize = 200_000;
 
 /// Findings about the entities of a file. `reported` holds the earlier findings: nothing is reported twice.
 pub fn findings(program: &Program, sources: &SourceMap, root: FileId, reported: &Diagnostics) -> Diagnostics {
@@ -73,7 +73,7 @@ fn examine(
     let occurs = |w: &World| w.slots.iter().any(|s| context.is_ours(s.entity));
     let others = program.worlds.iter().filter(|w| !occurs(w));
     let unseen: BTreeSet<EntityId> = others.flat_map(|w| w.slots.iter().map(|s| s.entity)).collect();
-    let mut effort = MAX_EFFORT;
+    let mut effort = MAX_BRANCHES;
     for (world_id, original) in program.worlds.pairs().filter(|(_, w)| occurs(w)) {
         let world = &*unrestricted(program, original);
         // For the others only the initial states are known.

@@ -373,7 +373,7 @@ impl<'a> Analysis<'a> {
 
     /// Gives up all slots.
     fn give_all_up(&mut self) {
-        let why = if self.is_stopped { GivenUp::Stopped } else { GivenUp::Effort };
+        let why = if self.is_stopped { GivenUp::Stopped } else { GivenUp::Budget };
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         firsts.into_iter().for_each(|slot| self.give_up(slot, why));
         self.publish();

@@ -43,7 +43,7 @@ pub trait Reading {
     fn param(&self, id: ParamId) -> f64;
     /// Its space.
     fn space(&self) -> SpaceId;
-    /// Whether a contact question held in the last collision phase.
+    /// Whether a contact query held in the last collision phase.
     fn touch(&self, id: TouchId) -> bool;
 }
 
@@ -508,7 +508,7 @@ impl Table {
             .iter()
             .filter(|(touch, places)| of.touch(*touch) && !(places[0].contains(at[0]) && places[1].contains(at[1])));
         let beyond = misplaced.map(|(touch, places)| Beyond {
-            variable: format!("position while contact question {} holds", touch.index()),
+            variable: format!("position while contact query {} holds", touch.index()),
             value: value.clone(),
             allowed: format!(
                 "x in {} and y in {}",

@@ -368,14 +368,14 @@ impl<'a> Reader<'a> {
 
     /// Refines a configuration by a guard that holds (or fails); `None` if it cannot.
     pub fn refined(&self, from: &Configuration, guard: ExprId, holds: bool) -> Option<Configuration> {
-        if !self.can_turn_out(from, guard, holds) {
+        if !self.can_evaluate_to(from, guard, holds) {
             return None;
         }
         let mut out = from.clone();
         self.refine(&mut out, guard, holds).then_some(out)
     }
 
-    fn can_turn_out(&self, at: &Configuration, guard: ExprId, holds: bool) -> bool {
+    fn can_evaluate_to(&self, at: &Configuration, guard: ExprId, holds: bool) -> bool {
         let reader = Reader { me: self.me.map(|(me, _)| (me, at)), ..*self };
         let truth = reader.truth(guard);
         if holds { truth.can_hold } else { truth.can_fail }
@@ -383,7 +383,7 @@ impl<'a> Reader<'a> {
 
     /// Refines a configuration in place by a guard that holds (or fails); returns whether it can.
     pub fn refine(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
-        let Some((me, _)) = self.me.filter(|_| self.can_turn_out(at, guard, holds)) else { return false };
+        let Some((me, _)) = self.me.filter(|_| self.can_evaluate_to(at, guard, holds)) else { return false };
         match (self.program.exprs[guard], holds) {
             (Expr::Not(a), _) => self.refine(at, a, !holds),
             (Expr::And(a, b), true) | (Expr::Or(a, b), false) => self.refine(at, a, holds) && self.refine(at, b, holds),

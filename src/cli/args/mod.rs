@@ -253,13 +253,12 @@ pub(in crate::cli) enum TraceFormatName {
 #[command(after_help = "Scripts are those of `hypedc sim`. A predicate is one of the program's language, such as \
 `hero.keys > 0` or `hero in running`. A time is written `30s`, `500ms` or `30frames` (steps of the world).
 
-Exit codes: 0 if every question is answered as wished (a goal reached, a `never` proven); 1 if an answer is no, or there is \
+Exit codes: 0 if every question is answered as expected (a goal reached, a `never` proven); 1 if an answer is no, or there is \
 none (a goal not found or proven unreachable, a `never` violated or not answered, a proof withdrawn); 2 if a question could \
 not be asked.
 
-Every state that a search makes is held against what the analysis says the world can be. If one lies outside, the analysis is \
-wrong about this world: no proof that rests on it is given, a file `hypedc-refuted-WORLD-SEED.txt` tells how to see it again, and \
-the exit code is 1.")]
+Every state that a search makes is checked against the analysis. If the analysis excludes one, it is wrong about this world: no \
+proof that rests on it is given, a file `hypedc-refuted-WORLD-SEED.txt` says how to reproduce it, and the exit code is 1.")]
 pub(in crate::cli) struct ReachArgs {
     /// The program.
     #[arg(value_name = "FILE")]
@@ -301,15 +300,16 @@ pub(in crate::cli) struct ReachArgs {
     /// What distances are measured in.
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
-    /// The time for which planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension [default: 10
-    /// steps; 4 to 60 for `coverage` and `lead`; as short as the question allows for `exhaustive` and `best-first`].
+    /// The time for which planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension [default:
+    /// 10 steps; 4 to 60 for `coverage` and `distance-guided`; as short as the question allows for `exhaustive` and
+    /// `best-first`].
     #[arg(long, value_name = "TIME|A..B", value_parser = Hold::read, help_heading = "The search")]
     pub hold: Option<Hold>,
-    /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `lead`, 20000 for
-    /// `coverage`, 2000 for others].
+    /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `distance-guided`,
+    /// 20000 for `coverage`, 2000 for others].
     #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
     pub restart: Option<Restart>,
-    /// The number of trees that grow side by side, each from a seed of its own.
+    /// The number of trees that grow side by side, each with its own seed.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
     /// The number of threads that grow the trees, or of levels that are searched in parallel; the result does not depend
@@ -323,13 +323,13 @@ pub(in crate::cli) struct ReachArgs {
     /// the analysis, and of the proofs that rest on it, goes unnoticed.
     #[arg(long, help_heading = "The search")]
     pub no_check_states: bool,
-    /// The most nodes for each goal [default: 200000; with `--seconds` no limit].
+    /// Maximum number of nodes for each goal [default: 200000; with `--seconds` no limit].
     #[arg(long, value_name = "N", help_heading = "The budget")]
     pub nodes: Option<u64>,
-    /// The most seconds for each goal; for the first one, the analysis of the world included.
+    /// Maximum time for each goal, s; for the first one, the analysis of the world included.
     #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The budget")]
     pub seconds: Option<f64>,
-    /// The most memory for trees, MiB.
+    /// Maximum memory for trees, MiB.
     #[arg(long, value_name = "MIB", default_value_t = 2048, help_heading = "The budget")]
     pub memory: u64,
     /// As text for people, or as JSON.
@@ -380,7 +380,7 @@ fn restart(text: &str) -> Result<Restart, String> {
 
 fn planner() -> clap::builder::PossibleValuesParser {
     clap::builder::PossibleValuesParser::new(
-        Planner::ALL.map(|p| clap::builder::PossibleValue::new(p.name()).help(p.summary())),
+        Planner::ALL.map(|p| clap::builder::PossibleValue::new(p.name()).aliases(p.former_name()).help(p.summary())),
     )
 }
 

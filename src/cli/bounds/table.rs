@@ -62,7 +62,7 @@ pub(in crate::cli) fn write_table(out: &mut impl Write, of: &WorldBounds<'_>) ->
         };
         write!(out, "\n{names}: {}{}", of.entity(first).name, own.as_ref().unwrap_or(shared))?;
     }
-    writeln!(out, "\nin all: {}", dimensions_text(of.dimensions()))
+    writeln!(out, "\ntotal: {}", dimensions_text(of.dimensions()))
 }
 
 fn dimensions_text(d: Dimensions) -> String {
@@ -76,10 +76,10 @@ impl Slot<'_> {
     fn text(&self, place: bool) -> String {
         if self.space.is_given_up {
             let why = self.space.why.map_or(String::new(), |why| format!(" ({})", why.reason()));
-            return format!("\n  too much to tell{why}: everything is possible\n");
+            return format!("\n  too large to analyse{why}: anything is possible\n");
         }
         if self.space.configurations.is_empty() {
-            return ", never there\n".to_string();
+            return ", never present\n".to_string();
         }
         let spaces: BTreeSet<_> = self.space.configurations.iter().flat_map(|c| c.spaces.iter().copied()).collect();
         let spaces: Vec<&str> = spaces.iter().map(|s| self.world.spaces[*s].name.as_str()).collect();

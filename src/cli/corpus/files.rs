@@ -45,7 +45,7 @@ impl RecordFile {
             return Err(format!("another `hypedc` is writing to `{}`", path.display()));
         }
         let text = disk_rows(&mut file).map_err(|why| format!("cannot read `{}`: {why}", path.display()))?;
-        let found = Record::read(&text).map_err(|bad| format!("`{}` is left as it is; {bad}", path.display()))?;
+        let found = Record::read(&text).map_err(|bad| format!("`{}` is unchanged; {bad}", path.display()))?;
         let was_cut = found.whole < text.len();
         let mut mend = || -> io::Result<()> {
             if was_cut {

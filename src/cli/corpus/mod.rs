@@ -115,7 +115,7 @@ fn baseline(path: &Path) -> Result<Record, String> {
     let cannot = |why: String| format!("cannot read `{}`: {why}", path.display());
     let mut file = open(path).map_err(|error| Refusal::of(Unreadable::named(path, error)).text(&SourceMap::new()))?;
     let text = rows(&mut file).map_err(cannot)?;
-    Record::read(&text).map_err(|bad| format!("`{}` is no baseline; {bad}", path.display()))
+    Record::read(&text).map_err(|bad| format!("`{}` is not a baseline; {bad}", path.display()))
 }
 
 /// A run over all levels.
@@ -137,7 +137,7 @@ impl Run<'_> {
         let bar = bar(rows.len());
         if let (Some(path), true) = (&args.corpus.results, self.files.record.as_ref().is_some_and(|file| file.was_cut))
         {
-            writeln!(io::stderr(), "the last row of `{}` was cut off, and is repeated", path.display())?;
+            writeln!(io::stderr(), "the last row of `{}` is incomplete and will be computed again", path.display())?;
         }
         let Run { context, levels, files, .. } = &mut self;
         let task = |at: usize, task_context: &TaskContext<'_, TaskResult>| context.level(&levels[at], task_context);
@@ -194,8 +194,8 @@ impl Run<'_> {
         presentation.show(&self.context.world, &format!("{note}; {seconds:.1} s"))?;
         if is_stopped {
             let on = match &args.corpus.results {
-                Some(path) => format!("they are in `{}`, and the same command goes on from there", path.display()),
-                None => "with `--results FILE` they are kept, and the same command goes on from there".to_string(),
+                Some(path) => format!("they are in `{}`, and the same command continues from there", path.display()),
+                None => "with `--results FILE` they are kept, and the same command continues from there".to_string(),
             };
             writeln!(io::stderr(), "stopped when {} of {all} were done; {on}", rows.len())?;
         }

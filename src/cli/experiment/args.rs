@@ -97,10 +97,10 @@ pub(in crate::cli) struct ExperimentOptions {
     /// The most CPU seconds of a run.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, help_heading = "The budget")]
     pub seconds: f64,
-    /// The most nodes of a run [default: no limit].
+    /// Maximum number of nodes of a run [default: no limit].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "The budget")]
     pub nodes: Option<u64>,
-    /// The most memory of a run, MiB.
+    /// Maximum memory of a run, MiB.
     #[arg(long, value_name = "MIB", default_value_t = 2048, value_parser = clap::value_parser!(u64).range(1..=1 << 40), help_heading = "The budget")]
     pub memory: u64,
     /// The number of runs at the same time, each on a thread of its own [default: the number of cores].

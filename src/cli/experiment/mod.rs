@@ -53,7 +53,7 @@ struct Analysed<'s> {
 
 pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Exit> {
     if let Err(error) = ThreadTime::try_now() {
-        plain_error(&format!("the system does not tell the CPU time of a thread: {error}"))?;
+        plain_error(&format!("the system does not report the CPU time of a thread: {error}"))?;
         return Ok(Exit::Refused);
     }
     match &args.known {

@@ -33,12 +33,12 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
     let table = &loaded.program.worlds[world];
     // The compiler appends it.
     let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
-    let (targets, least_hold) = (targets(table, args, without)?, least_hold(args, table)?);
-    let (settings, within) = (settings(args, table, least_hold)?, args.within.map(|time| time.room(table)));
+    let (targets, min_hold) = (targets(table, args, without)?, min_hold(args, table)?);
+    let (settings, within) = (settings(args, table, min_hold)?, args.within.map(|time| time.room(table)));
     Ok(Query {
         settings,
         limits: Limits { nodes: node_limit(args), memory: args.memory << 20 },
-        least_hold,
+        min_hold,
         within,
         without: without.into_iter().collect(),
         after: read_scripts(loaded, world, &args.after)?,
@@ -98,18 +98,18 @@ fn node_limit(args: &ReachArgs) -> u64 {
 }
 
 /// Minimum number of steps of a world for which an input is held.
-fn least_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
+fn min_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
     let steps = args.min_hold.map_or(1, |time: Time| time.steps(world));
     u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))
 }
 
 /// The search settings.
-fn settings(args: &ReachArgs, world: &World, least_hold: u16) -> Result<Settings, Refusal> {
+fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, Refusal> {
     let planner = Planner::named(&args.planner).unwrap_or_default();
     let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
     let hold = hold.map_err(|why| Refusal::Plain(format!("`--hold`: {why}")))?;
-    if let Some((_, high)) = hold.filter(|(_, high)| *high < least_hold) {
-        let why = format!("`--hold` is at most {high} steps, `--min-hold` at least {least_hold}");
+    if let Some((_, high)) = hold.filter(|(_, high)| *high < min_hold) {
+        let why = format!("`--hold` is at most {high} steps, `--min-hold` at least {min_hold}");
         return Err(Refusal::Plain(why));
     }
     Ok(Settings {

@@ -88,7 +88,7 @@ impl Refuted {
     fn text(&self, program: &Program, world: WorldId, info: &RunInfo<'_>) -> String {
         let level = info.level.map_or(String::new(), |path| format!("level    {}\n", path.display()));
         format!(
-            "A run of `hypedc` {} led to a state which its analysis says that there is not.\n\
+            "A run of `hypedc` {} reached a state that its analysis excludes.\n\
              Please report this as a bug of `hypedc`, with the program, what it imports and its levels.\n\n\
              command  {}\nprogram  {}\ncompiled {}\n{level}world    {}\nseed     {}\nstep     {}\noutside  {}\ninputs   {}\n",
             env!("CARGO_PKG_VERSION"),

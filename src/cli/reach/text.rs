@@ -33,7 +33,7 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
 /// The verdict and what it assumes: the first line of an answer.
 fn verdict(answer: &Answer, query: &Query) -> String {
     let within = query.within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
-    let hold = match query.least_hold {
+    let hold = match query.min_hold {
         1 => String::new(),
         steps => format!(" by inputs that are held for at least {steps} steps"),
     };
@@ -42,10 +42,10 @@ fn verdict(answer: &Answer, query: &Query) -> String {
     match answer.verdict {
         // The analysis proves it for all inputs.
         Conclusion::ProvenUnreachable if answer.proven_by == Some(ProofMethod::Analysis) => match is_never {
-            true => "proven, it holds in no state that the world can be in".to_string(),
-            false => "proven unreachable, in no state that the world can be in".to_string(),
+            true => "proven, it holds in no reachable state".to_string(),
+            false => "proven unreachable, it holds in no reachable state".to_string(),
         },
-        Conclusion::ProvenUnreachable if is_never => format!("proven, there is no way to break it{asked}"),
+        Conclusion::ProvenUnreachable if is_never => format!("proven, it cannot be violated{asked}"),
         Conclusion::ProvenUnreachable => format!("proven unreachable{asked}"),
         Conclusion::Exhausted if is_never => {
             format!("not answered, no way to break it with axes at -1, 0 and 1{asked}")
@@ -65,7 +65,7 @@ fn shortest(answer: &Answer, query: &Query) -> String {
         return "not proven shortest".to_string();
     }
     let axes = if answer.reads_between { " with axes at -1, 0 and 1" } else { "" };
-    let hold = match query.least_hold {
+    let hold = match query.min_hold {
         1 => String::new(),
         steps => format!(" by inputs that are held for at least {steps} steps"),
     };

@@ -134,7 +134,7 @@ pub struct Shadowed {
 
 impl Fact for Shadowed {
     fn into_diagnostic(self) -> Diagnostic {
-        let d = Diagnostic::new(Code::Shadowed, "this edge is never taken: another one comes before it")
+        let d = Diagnostic::new(Code::Shadowed, "this edge is never taken: an earlier edge is always taken instead")
             .at(self.at, "whenever this holds …")
             .and(self.by, "… this holds, too, and is tried first");
         if self.outer {
@@ -253,7 +253,7 @@ impl Fact for PlacedInside {
     fn into_diagnostic(self) -> Diagnostic {
         let deep = format!("{:.3}", self.depth);
         let deep = deep.trim_end_matches('0').trim_end_matches('.');
-        let d = Diagnostic::new(Code::PlacedInside, format!("`{}` begins inside of what blocks it", self.name));
+        let d = Diagnostic::new(Code::PlacedInside, format!("`{}` starts inside an obstacle", self.name));
         match self.of {
             Ok((column, row)) => {
                 d.at(self.at, format!("{deep} px deep in the tile of column {column}, row {row}, counted from 0 below"))

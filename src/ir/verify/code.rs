@@ -158,7 +158,7 @@ impl<'p> Code<'p> {
             (Owner::Entity(me), Subject::Ref(id)) => exists(id, &self.program.entities[me].refs),
             (Owner::Entity(me), Subject::Touched(id)) => {
                 exists(id, &self.program.entities[me].touches)?;
-                ensure(id.index() < self.program.entities[me].bound, "the contact question does not keep whom it finds")
+                ensure(id.index() < self.program.entities[me].bound, "the contact query does not keep whom it finds")
             }
             (Owner::World(world), Subject::Slot(slot)) => exists(slot, &self.program.worlds[world].slots),
             (Owner::Entity(_), Subject::Slot(_)) => Err(Invalid::new("an entity knows no instances of a world")),

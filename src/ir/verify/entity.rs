@@ -93,7 +93,7 @@ impl EntityVerifier<'_> {
             shape.numbers().iter().try_for_each(|number| self.expr(*number)).at("shape")?;
             self.optional(*guard).at("guard")
         })?;
-        ensure(*bound <= touches.len(), "there are not as many contact questions").at("bound")?;
+        ensure(*bound <= touches.len(), "there are not as many contact queries").at("bound")?;
         each("touches", touches, |id, Touch { mine, other, side: _, bound: keeps }| {
             tags(*mine, self.program).at("mine")?;
             exists(*other, &self.program.tags).at("other")?;

@@ -53,7 +53,7 @@ pub(in crate::lsp) fn code_actions<'v>(view: &'v View, path: &Path, bytes: &Rang
             let own = fixable(snapshot, more, file, 0..usize::MAX).map(|(_, fix)| fix);
             let own: Vec<&Fix> = own.filter(|fix| fix.edits.iter().all(|(span, _)| span.file() == file)).collect();
             all = (!own.is_empty()).then(|| CodeAction {
-                title: "mend all that is certain",
+                title: "apply all unambiguous fixes",
                 kind: ActionKind::FixAll,
                 finding: None,
                 edits: edits_of(snapshot, without_overlaps(&own)),

@@ -82,7 +82,7 @@ fn hover_finding(view: &View, at: &FileOffset) -> Option<Hover> {
     });
     let code = finding.code.text();
     let prose = prose.unwrap_or_default();
-    let markdown = format!("**{}**\n\n{prose} `hypedc explain {code}` tells more.", page.title);
+    let markdown = format!("**{}**\n\n{prose} See `hypedc explain {code}`.", page.title);
     Some(Hover { at: snapshot.location(span), markdown })
 }
 

@@ -49,10 +49,10 @@ pub(in crate::lsp) fn rename(view: &View, at: &FileOffset, new: &str) -> Result<
     let new = new.trim();
     let mut keys = keys_at(view, at);
     if keys.is_empty() {
-        return Err(Refusal("there is no name here".into()));
+        return Err(Refusal("there is nothing to rename here".into()));
     }
     if !is_name(new) {
-        return Err(Refusal(format!("`{new}` is no name: a letter or `_`, then letters, digits and `_`")));
+        return Err(Refusal(format!("`{new}` is not a valid name: a letter or `_`, then letters, digits and `_`")));
     }
     add_related(view, &mut keys);
     check_renamable(view, &keys)?;
@@ -91,7 +91,7 @@ fn check_renamable(view: &View, keys: &BTreeSet<SymbolKey>) -> Result<(), Refusa
         for state in view.programs.values() {
             let snapshot = &*state.current;
             if key.kind == NameKind::Tag && snapshot.ide.checked.level_tags.contains(name) {
-                return Err(Refusal(format!("a level or a legend names the tag `{name}`, too")));
+                return Err(Refusal(format!("a level or a legend also uses the tag `{name}`")));
             }
             for o in snapshot.occurrences_of(&BTreeSet::from([key.clone()])) {
                 let declared = snapshot.ide.compilation.sources.slice(o.declared);
@@ -99,7 +99,7 @@ fn check_renamable(view: &View, keys: &BTreeSet<SymbolKey>) -> Result<(), Refusa
                     return Err(Refusal(format!("`{name}` is part of the language")));
                 }
                 if declared != name {
-                    return Err(Refusal(format!("`{name}` is named by a level")));
+                    return Err(Refusal(format!("`{name}` is used by a level")));
                 }
             }
         }
@@ -140,7 +140,7 @@ fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
             return Err(Refusal(format!("`{new}` clashes: {why}")));
         }
         if bindings(before, ranges, new.len() as u32) != bindings(&after, &NameRanges::new(), 0) {
-            return Err(Refusal(format!("with `{new}`, a name would come to mean something else")));
+            return Err(Refusal(format!("with `{new}`, a name would refer to something else")));
         }
     }
     Ok(())

@@ -100,7 +100,7 @@ pub(super) fn to_protocol_diagnostic(finding: &Diagnostic, snapshot: &Snapshot, 
             uri: uri(snapshot, snapshot.path(label.span.file())),
             range: range_of(snapshot, label.span, encoding),
         },
-        message: if label.text.is_empty() { "see here".into() } else { label.text.to_string() },
+        message: if label.text.is_empty() { "related location".into() } else { label.text.to_string() },
     });
     let related: Vec<DiagnosticRelatedInformation> = related.collect();
     ShownDiagnostic {

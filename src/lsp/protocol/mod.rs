@@ -4,6 +4,7 @@
 
 mod capabilities;
 mod client;
+mod context;
 mod findings;
 mod from_protocol;
 mod handlers;

@@ -1,10 +1,10 @@
 //! The table of requests: the precondition and the handler of each method.
 
 use gen_lsp_types as types;
-use lsp_server::Request;
+use lsp_server::{ErrorCode, Request, Response};
 
+use super::context::{Context, Failure, response};
 use super::handlers::{self, Answer};
-use super::server::Server;
 use super::tokens;
 use super::uri::path_of;
 
@@ -33,17 +33,18 @@ macro_rules! requests {
             }
         }
 
-        impl Server {
-            /// Calls the handler of a request and sends its response.
-            pub(super) fn dispatch(&mut self, request: Request) {
-                match request.method.as_str() {
-                    $($method => self.handle::<types::$request>(request, |server, params| {
-                        $file::$answer(server, params)
-                    }),)*
-                    // For scripts and tests: the response follows the last findings.
-                    "hypedc/idle" => self.respond_null(request),
-                    "hypedc/text" => self.handle::<TextRequest>(request, |server, params| text(server, params)),
-                    _ => self.respond_unknown_method(request),
+        /// Calls the handler of a request; returns its response.
+        pub(super) fn dispatch(context: &mut Context, request: Request) -> Response {
+            match request.method.as_str() {
+                $($method => context.handle::<types::$request>(request, |context, params| {
+                    $file::$answer(context, params)
+                }),)*
+                // For scripts and tests: the response follows the last findings.
+                "hypedc/idle" => response(request.id, Ok(())),
+                "hypedc/text" => context.handle::<TextRequest>(request, |context, params| text(context, params)),
+                method => {
+                    let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{method}`"));
+                    response::<()>(request.id, Err(failure))
                 }
             }
         }
@@ -78,8 +79,8 @@ requests! {
 }
 
 /// For scripts and tests: returns the server's text of an open document.
-fn text(server: &Server, params: types::DocumentSymbolParams) -> Answer<TextRequest> {
-    let document = server.view.documents.get(&path_of(&params.text_document.uri));
+fn text(context: &Context, params: types::DocumentSymbolParams) -> Answer<TextRequest> {
+    let document = context.view.documents.get(&path_of(&params.text_document.uri));
     Ok(document.map(|document| document.text.whole().to_string()))
 }
 

@@ -2,7 +2,6 @@
 //! here until the worker has compiled the programs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,12 +10,13 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, Sender, select, unbounded};
 use gen_lsp_types as types;
 use gen_lsp_types::{Notification as _, Uri};
-use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::capabilities::{capabilities, watchers};
 use super::client::Client;
+use super::context::{Context, Failure, response};
 use super::findings::Published;
 use super::from_protocol::{changes, folders};
 use super::requests::{self, Needs};
@@ -25,26 +25,7 @@ use super::uri::path_of;
 use super::worker::{Event, Job, Worker};
 use crate::lsp::Workspace;
 use crate::lsp::documents::Documents;
-use crate::lsp::view::{ProgramState, Refusal, View};
-
-/// An error response to a request.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Failure {
-    code: i32,
-    message: String,
-}
-
-impl Failure {
-    fn new(code: ErrorCode, message: impl Into<String>) -> Self {
-        Failure { code: code as i32, message: message.into() }
-    }
-}
-
-impl From<Refusal> for Failure {
-    fn from(Refusal(why): Refusal) -> Self {
-        Failure::new(ErrorCode::RequestFailed, why)
-    }
-}
+use crate::lsp::view::{ProgramState, View};
 
 /// Options of the server.
 #[derive(Debug, Clone, Copy)]
@@ -61,10 +42,7 @@ impl Default for Settings {
 
 /// A language server.
 pub struct Server {
-    pub(super) view: View,
-    pub(super) client: Client,
-    /// The semantic tokens that were last sent.
-    pub(super) tokens: SentTokens,
+    context: Context,
     sender: Sender<Message>,
     published: Published,
     folders: Arc<Vec<PathBuf>>,
@@ -119,9 +97,11 @@ impl Server {
         };
         let thread = std::thread::spawn(move || worker.run());
         let mut server = Server {
-            client,
-            view: View { documents: Documents::default(), programs: BTreeMap::new(), last_rename: None, disk },
-            tokens: SentTokens::default(),
+            context: Context {
+                client,
+                view: View { documents: Documents::default(), programs: BTreeMap::new(), last_rename: None, disk },
+                tokens: SentTokens::default(),
+            },
             sender,
             published: Published::default(),
             folders: Arc::new(folders),
@@ -138,7 +118,7 @@ impl Server {
             last_request: 0,
             failed: BTreeSet::new(),
         };
-        server.answer(id, Ok(result));
+        server.respond(id, Ok(result));
         let was_shut_down = server.run(&receiver, &events);
         has_ended.store(true, Ordering::Relaxed);
         drop(server);
@@ -179,7 +159,7 @@ impl Server {
         self.revision += 1;
         let job = Job {
             revision: self.revision,
-            open: Arc::clone(self.view.documents.all()),
+            open: Arc::clone(self.context.view.documents.all()),
             folders: Arc::clone(&self.folders),
             rescan: std::mem::take(&mut self.rescan),
             changed: std::mem::take(&mut self.changed),
@@ -206,11 +186,11 @@ impl Server {
     fn request(&mut self, request: Request) {
         if request.method == "shutdown" {
             self.has_shut_down = true;
-            return self.answer(request.id, Ok(()));
+            return self.respond(request.id, Ok(()));
         }
         if self.has_shut_down || request.method == "initialize" {
-            let failure = Failure::new(ErrorCode::InvalidRequest, "the server has shut down, or runs already");
-            return self.answer::<()>(request.id, Err(failure));
+            let failure = Failure::new(ErrorCode::InvalidRequest, "the server has shut down or is already initialized");
+            return self.respond::<()>(request.id, Err(failure));
         }
         let needs = requests::needs(&request.method);
         if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
@@ -240,29 +220,37 @@ impl Server {
         }
         let Notification { method, params } = notification;
         match method.as_str() {
-            "initialized" if self.client.watches_files => self.send_request("client/registerCapability", watchers()),
+            "initialized" if self.context.client.watches_files => {
+                self.send_request("client/registerCapability", watchers())
+            }
             "textDocument/didOpen" => {
                 let Some(params) = read::<types::DidOpenTextDocumentNotification>(params) else { return };
                 let document = params.text_document;
                 let language = document.language_id.to_string();
                 let path = path_of(&document.uri);
-                self.view.documents.open(path.clone(), document.uri.0, document.version, document.text, &language);
+                self.context.view.documents.open(
+                    path.clone(),
+                    document.uri.0,
+                    document.version,
+                    document.text,
+                    &language,
+                );
                 self.mark_changed(path);
             }
             "textDocument/didChange" => {
                 let Some(params) = read::<types::DidChangeTextDocumentNotification>(params) else { return };
                 let document = params.text_document;
                 let path = path_of(&document.text_document_identifier.uri);
-                let (changes, encoding) = (changes(params.content_changes), self.client.encoding);
-                if self.view.documents.change(&path, document.version, &changes, encoding) {
+                let (changes, encoding) = (changes(params.content_changes), self.context.client.encoding);
+                if self.context.view.documents.change(&path, document.version, &changes, encoding) {
                     self.mark_changed(path);
                 }
             }
             "textDocument/didClose" => {
                 let Some(params) = read::<types::DidCloseTextDocumentNotification>(params) else { return };
                 let path = path_of(&params.text_document.uri);
-                self.tokens.forget(&path);
-                if self.view.documents.close(&path) {
+                self.context.tokens.forget(&path);
+                if self.context.view.documents.close(&path) {
                     self.mark_changed(path);
                 }
             }
@@ -289,7 +277,7 @@ impl Server {
                 };
                 if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
                     self.waiting.remove(at);
-                    self.answer::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
+                    self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
                 }
             }
             _ => {}
@@ -300,19 +288,19 @@ impl Server {
         match event {
             Event::Compiled(snapshot) => {
                 self.failed.remove(&snapshot.root);
-                let before = self.view.programs.remove(&snapshot.root);
-                let is_open = self.view.documents.get(&snapshot.root).is_some();
+                let before = self.context.view.programs.remove(&snapshot.root);
+                let is_open = self.context.view.documents.get(&snapshot.root).is_some();
                 let old = before.as_ref().map(|state| &*state.current);
-                self.published.compiled(old, &snapshot, is_open, self.client.encoding);
+                self.published.compiled(old, &snapshot, is_open, self.context.client.encoding);
                 let (last_good, ranges) = before.map_or((None, None), |state| (state.last_good, state.ranges));
                 let last_good = if snapshot.is_error_free() { Some(Arc::clone(&snapshot)) } else { last_good };
                 let state = ProgramState { current: Arc::clone(&snapshot), last_good, findings: None, ranges };
-                self.view.programs.insert(snapshot.root.clone(), state);
+                self.context.view.programs.insert(snapshot.root.clone(), state);
             }
             Event::Failed(path, why) => {
                 let text = format!(
-                    "hypedc failed on {}: {why}. This is a bug of hypedc: please report it with the text. What is shown of the \
-                     file is from before",
+                    "hypedc failed on {}: {why}. This is a bug of hypedc: please report it with the text. The findings \
+                     shown for the file are from before",
                     path.display()
                 );
                 self.show_error("window/logMessage", &text);
@@ -322,7 +310,7 @@ impl Server {
                 }
             }
             Event::Removed(path) => {
-                self.view.programs.remove(&path);
+                self.context.view.programs.remove(&path);
                 self.published.removed(&path);
             }
             Event::OpenCompiled(revision) => {
@@ -339,16 +327,20 @@ impl Server {
                 self.resume();
             }
             Event::Analyzed(snapshot, found) => {
-                let state =
-                    self.view.programs.get_mut(&snapshot.root).filter(|state| Arc::ptr_eq(&state.current, &snapshot));
+                let state = self
+                    .context
+                    .view
+                    .programs
+                    .get_mut(&snapshot.root)
+                    .filter(|state| Arc::ptr_eq(&state.current, &snapshot));
                 let Some(state) = state else { return };
                 let (findings, ranges) = *found;
-                self.published.analyzed(&snapshot, &findings, self.client.encoding);
+                self.published.analyzed(&snapshot, &findings, self.context.client.encoding);
                 state.findings = Some(findings);
                 // A program with errors is not analysed: keep the older ranges.
                 state.ranges = ranges.or(state.ranges.take());
                 self.publish();
-                if self.client.refreshes_hints {
+                if self.context.client.refreshes_hints {
                     self.send_request("workspace/inlayHint/refresh", Value::Null);
                 }
             }
@@ -363,10 +355,10 @@ impl Server {
 
     /// Publishes the diagnostics of documents for which they changed.
     fn publish(&mut self) {
-        let is_open = |path: &Path| self.view.documents.get(path).is_some();
+        let is_open = |path: &Path| self.context.view.documents.get(path).is_some();
         let version = |uri: &str| {
             let path = path_of(&Uri(uri.into()));
-            let snapshot = &self.view.programs.get(&path)?.current;
+            let snapshot = &self.context.view.programs.get(&path)?.current;
             snapshot.file(&path)?;
             Some(snapshot.document(&path)?.version)
         };
@@ -384,38 +376,13 @@ impl Server {
         let _ = self.sender.send(request.into());
     }
 
-    fn answer<T: Serialize>(&self, id: RequestId, result: Result<T, Failure>) {
-        let response = match result.map(serde_json::to_value) {
-            Ok(Ok(value)) => Response::new_ok(id, value),
-            Ok(Err(error)) => Response::new_err(id, ErrorCode::InternalError as i32, error.to_string()),
-            Err(Failure { code, message }) => Response::new_err(id, code, message),
-        };
+    fn respond<T: Serialize>(&self, id: RequestId, result: Result<T, Failure>) {
+        let _ = self.sender.send(response(id, result).into());
+    }
+
+    /// Sends the response of the handler of a request.
+    fn dispatch(&mut self, request: Request) {
+        let response = requests::dispatch(&mut self.context, request);
         let _ = self.sender.send(response.into());
-    }
-
-    /// Responds to a request with the result of a handler. A panic in the handler becomes an error response.
-    pub(super) fn handle<R: types::Request>(
-        &mut self,
-        request: Request,
-        feature: impl FnOnce(&mut Self, R::Params) -> Result<R::Result, Failure>,
-    ) {
-        let Request { id, params, .. } = request;
-        let result = match serde_json::from_value::<R::Params>(params) {
-            Err(error) => Err(Failure::new(ErrorCode::InvalidParams, error.to_string())),
-            Ok(params) => catch_unwind(AssertUnwindSafe(|| feature(self, params)))
-                .unwrap_or_else(|_| Err(Failure::new(ErrorCode::InternalError, "this cannot be answered"))),
-        };
-        self.answer(id, result);
-    }
-
-    /// Responds with `null`.
-    pub(super) fn respond_null(&self, request: Request) {
-        self.answer(request.id, Ok(()));
-    }
-
-    /// Responds with "method not found".
-    pub(super) fn respond_unknown_method(&self, request: Request) {
-        let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{}`", request.method));
-        self.answer::<()>(request.id, Err(failure));
     }
 }

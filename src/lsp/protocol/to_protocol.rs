@@ -177,7 +177,7 @@ impl ToProtocol<'_> {
         let (title, command, arguments) = match &lens.command {
             LensCommand::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
             LensCommand::Reach { world, goal } => {
-                ("▶ can it be reached?", "hypedc.reach", vec![json!(uri), json!(world), json!(goal)])
+                ("▶ search for this goal", "hypedc.reach", vec![json!(uri), json!(world), json!(goal)])
             }
         };
         let (title, command, arguments) = (title.into(), command.into(), Some(arguments));

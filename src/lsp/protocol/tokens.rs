@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use gen_lsp_types as types;
 use gen_lsp_types::{SemanticToken, SemanticTokens, SemanticTokensDelta, SemanticTokensEdit, SemanticTokensLegend};
 
+use super::context::Context;
 use super::handlers::Answer;
 use super::positions::range;
-use super::server::Server;
 use super::uri::path_of;
 use crate::lsp::features::tokens::{Token, TokenKind, semantic_tokens};
 use crate::lsp::text::document_text::{Encoding, Text};
@@ -140,7 +140,7 @@ impl SentTokens {
     }
 }
 
-impl Server {
+impl Context {
     /// The encoded tokens in a range of a document; `None` if it is not open.
     fn tokens_of(&self, path: &Path, bytes: &Range<usize>) -> Option<Vec<SemanticToken>> {
         let tokens = semantic_tokens(&self.view, path, bytes, self.client.has_grammar)?;
@@ -149,32 +149,32 @@ impl Server {
 }
 
 pub(super) fn all_tokens(
-    server: &mut Server,
+    context: &mut Context,
     params: types::SemanticTokensParams,
 ) -> Answer<types::SemanticTokensRequest> {
     let path = path_of(&params.text_document.uri);
-    let Some(data) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
-    Ok(Some(server.tokens.store(path, data)))
+    let Some(data) = context.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
+    Ok(Some(context.tokens.store(path, data)))
 }
 
 pub(super) fn tokens_in_range(
-    server: &Server,
+    context: &Context,
     params: types::SemanticTokensRangeParams,
 ) -> Answer<types::SemanticTokensRangeRequest> {
-    let (path, bytes) = server.file_bytes(&params.text_document, params.range);
-    let data = server.tokens_of(&path, &bytes);
+    let (path, bytes) = context.file_bytes(&params.text_document, params.range);
+    let data = context.tokens_of(&path, &bytes);
     Ok(data.map(|data| SemanticTokens { result_id: None, data }))
 }
 
 pub(super) fn changed_tokens(
-    server: &mut Server,
+    context: &mut Context,
     params: types::SemanticTokensDeltaParams,
 ) -> Answer<types::SemanticTokensDeltaRequest> {
     let path = path_of(&params.text_document.uri);
-    let Some(new) = server.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
-    let before = server.tokens.last.get(&path).filter(|(id, _)| id.to_string() == params.previous_result_id);
+    let Some(new) = context.tokens_of(&path, &(0..usize::MAX)) else { return Ok(None) };
+    let before = context.tokens.last.get(&path).filter(|(id, _)| id.to_string() == params.previous_result_id);
     let Some(old) = before.map(|(_, old)| old.clone()) else {
-        return Ok(Some(server.tokens.store(path, new).into()));
+        return Ok(Some(context.tokens.store(path, new).into()));
     };
     let same = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
     let remaining = old.len().min(new.len()) - same;
@@ -188,6 +188,6 @@ pub(super) fn changed_tokens(
         data: Some(data.collect()),
     };
     let edits = if edit.delete_count == 0 && inserted.is_empty() { Vec::new() } else { vec![edit] };
-    let result_id = server.tokens.store(path, new).result_id;
+    let result_id = context.tokens.store(path, new).result_id;
     Ok(Some(SemanticTokensDelta { result_id, edits }.into()))
 }

@@ -72,12 +72,43 @@ pub(in crate::lsp) struct Worker {
     pub debounce: Duration,
 }
 
+/// The known programs, by path.
+#[derive(Default)]
+struct Programs {
+    current: BTreeMap<PathBuf, Arc<Snapshot>>,
+    /// Compiled before a change that affects them. A job that is interrupted leaves them to the next one.
+    outdated: BTreeMap<PathBuf, Arc<Snapshot>>,
+    /// Open programs that are compiled but not analysed.
+    unanalyzed: BTreeSet<PathBuf>,
+}
+
+impl Programs {
+    /// Forgets the programs that are not wanted; returns their paths.
+    fn retain(&mut self, is_wanted: impl Fn(&PathBuf) -> bool) -> Vec<PathBuf> {
+        let known = self.current.keys().chain(self.outdated.keys());
+        let removed: Vec<PathBuf> = known.filter(|path| !is_wanted(path)).cloned().collect();
+        for path in &removed {
+            self.current.remove(path);
+            self.outdated.remove(path);
+            self.unanalyzed.remove(path);
+        }
+        removed
+    }
+
+    /// Marks the programs as outdated that depend on changed files.
+    fn invalidate(&mut self, changed: &BTreeSet<PathBuf>) {
+        let is_current = |snapshot: &Snapshot| snapshot.dependencies.is_disjoint(changed);
+        let (current, outdated): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            std::mem::take(&mut self.current).into_iter().partition(|(_, snapshot)| is_current(snapshot));
+        self.current = current;
+        self.outdated.extend(outdated);
+    }
+}
+
 impl Worker {
     /// Runs until the server has ended.
     pub fn run(self) {
-        let mut snapshots: BTreeMap<PathBuf, Arc<Snapshot>> = BTreeMap::new();
-        // Open programs that are compiled but not analysed.
-        let mut unanalyzed: BTreeSet<PathBuf> = BTreeSet::new();
+        let mut programs = Programs::default();
         // All programs of the workspace's folders.
         let mut in_folders: BTreeSet<PathBuf> = BTreeSet::new();
         let mut next_job: Option<Job> = None;
@@ -86,10 +117,10 @@ impl Worker {
             if job.rescan {
                 in_folders = job.folders.iter().flat_map(|folder| self.disk.programs(folder)).collect();
             }
-            if self.compile_job(&job, &in_folders, &mut snapshots, &mut unanalyzed).is_none() {
+            if self.compile_job(&job, &in_folders, &mut programs).is_none() {
                 return;
             }
-            if unanalyzed.is_empty() {
+            if programs.unanalyzed.is_empty() {
                 if self.events.send(Event::Idle(job.revision)).is_err() {
                     return;
                 }
@@ -99,10 +130,10 @@ impl Worker {
                 Ok(next) => next_job = Some(next),
                 Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {
-                    if self.analyze(&snapshots, &mut unanalyzed).is_none() {
+                    if self.analyze(&mut programs).is_none() {
                         return;
                     }
-                    if unanalyzed.is_empty() && self.events.send(Event::Idle(job.revision)).is_err() {
+                    if programs.unanalyzed.is_empty() && self.events.send(Event::Idle(job.revision)).is_err() {
                         return;
                     }
                 }
@@ -121,40 +152,29 @@ impl Worker {
     }
 
     /// Compiles the programs that a job invalidates; `None` if the server has ended.
-    fn compile_job(
-        &self,
-        job: &Job,
-        in_folders: &BTreeSet<PathBuf>,
-        snapshots: &mut BTreeMap<PathBuf, Arc<Snapshot>>,
-        unanalyzed: &mut BTreeSet<PathBuf>,
-    ) -> Option<()> {
+    fn compile_job(&self, job: &Job, in_folders: &BTreeSet<PathBuf>, programs: &mut Programs) -> Option<()> {
         let is_open = |path: &PathBuf| job.open.get(path).is_some_and(|document| document.is_program);
-        let is_wanted = |path: &PathBuf| is_open(path) || in_folders.contains(path);
-        let removed: Vec<PathBuf> = snapshots.keys().filter(|path| !is_wanted(path)).cloned().collect();
-        for path in removed {
-            snapshots.remove(&path);
-            unanalyzed.remove(&path);
+        for path in programs.retain(|path| is_open(path) || in_folders.contains(path)) {
             self.events.send(Event::Removed(path)).ok()?;
         }
-        let is_current = |_: &PathBuf, snapshot: &Arc<Snapshot>| snapshot.dependencies.is_disjoint(&job.changed);
-        let (current, mut outdated): (BTreeMap<_, _>, BTreeMap<_, _>) =
-            std::mem::take(snapshots).into_iter().partition(|(path, snapshot)| is_current(path, snapshot));
-        *snapshots = current;
+        programs.invalidate(&job.changed);
         for path in job.open.keys().filter(|path| is_open(path)) {
-            if !snapshots.contains_key(path) {
-                snapshots.extend(self.compile(path, job, outdated.remove(path))?);
-                unanalyzed.insert(path.clone());
+            if !programs.current.contains_key(path) {
+                let before = programs.outdated.remove(path);
+                programs.current.extend(self.compile(path, job, before)?);
+                programs.unanalyzed.insert(path.clone());
             }
         }
         self.events.send(Event::OpenCompiled(job.revision)).ok()?;
         for path in in_folders.iter().filter(|path| !job.open.contains_key(*path)) {
-            if snapshots.contains_key(path) {
+            if programs.current.contains_key(path) {
                 continue;
             }
             if !self.jobs.is_empty() {
                 return Some(());
             }
-            snapshots.extend(self.compile(path, job, outdated.remove(path))?);
+            let before = programs.outdated.remove(path);
+            programs.current.extend(self.compile(path, job, before)?);
         }
         self.events.send(Event::AllCompiled(job.revision)).ok()
     }
@@ -183,9 +203,9 @@ impl Worker {
     }
 
     /// Runs the value analysis until there is a newer job; `None` if the server has ended.
-    fn analyze(&self, snapshots: &BTreeMap<PathBuf, Arc<Snapshot>>, unanalyzed: &mut BTreeSet<PathBuf>) -> Option<()> {
-        while let Some(path) = unanalyzed.first().cloned() {
-            if let Some(snapshot) = snapshots.get(&path) {
+    fn analyze(&self, programs: &mut Programs) -> Option<()> {
+        while let Some(path) = programs.unanalyzed.first().cloned() {
+            if let Some(snapshot) = programs.current.get(&path) {
                 let compilation = &snapshot.ide.compilation;
                 let analyze = || {
                     let program = compilation.program.as_ref()?;
@@ -212,7 +232,7 @@ impl Worker {
                 let found = found.unwrap_or_default();
                 self.events.send(Event::Analyzed(Arc::clone(snapshot), found)).ok()?;
             }
-            unanalyzed.remove(&path);
+            programs.unanalyzed.remove(&path);
         }
         Some(())
     }
@@ -222,4 +242,75 @@ impl Worker {
 fn message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_string());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_string())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use std::sync::Mutex;
+
+    use crossbeam_channel::unbounded;
+
+    use super::*;
+    use crate::source::{Files, ReadError};
+
+    /// A folder with three programs of which one is deleted while the first is read for the second time.
+    struct Folder {
+        reads: Mutex<u32>,
+        jobs: Mutex<Option<Sender<Job>>>,
+        programs: Mutex<Vec<PathBuf>>,
+    }
+
+    impl Files for Folder {
+        fn read(&self, path: &Path) -> Result<String, ReadError> {
+            if path.ends_with("a.hyped") {
+                let mut reads = self.reads.lock().unwrap();
+                *reads += 1;
+                if *reads == 2 {
+                    self.programs.lock().unwrap().pop();
+                    let jobs = self.jobs.lock().unwrap().take().unwrap();
+                    jobs.send(job(3, &[])).unwrap();
+                }
+            }
+            Ok("entity Empty {}".to_string())
+        }
+    }
+
+    impl Workspace for Folder {
+        fn programs(&self, _: &Path) -> Vec<PathBuf> {
+            self.programs.lock().unwrap().clone()
+        }
+    }
+
+    fn job(revision: u64, changed: &[PathBuf]) -> Job {
+        let (open, folders) = (Arc::default(), Arc::new(vec![PathBuf::from("/folder")]));
+        Job { revision, open, folders, rescan: true, changed: changed.iter().cloned().collect() }
+    }
+
+    #[test]
+    fn what_an_interrupted_job_invalidates_is_still_known() {
+        let files = ["a", "b", "c"].map(|name| PathBuf::from(format!("/folder/{name}.hyped")));
+        let (to_worker, jobs) = unbounded();
+        let (events, from_worker) = unbounded();
+        to_worker.send(job(1, &[])).unwrap();
+        let disk = Arc::new(Folder {
+            reads: Mutex::default(),
+            jobs: Mutex::new(Some(to_worker.clone())),
+            programs: Mutex::new(files.to_vec()),
+        });
+        let has_ended = Arc::default();
+        let worker = Worker { jobs, events, disk, has_ended, debounce: Duration::ZERO };
+        std::thread::scope(|scope| {
+            scope.spawn(|| worker.run());
+            let is_done = |event: &Event| matches!(event, Event::Idle(1));
+            assert!(from_worker.iter().any(|event| is_done(&event)));
+            to_worker.send(job(2, &files)).unwrap();
+            drop(to_worker);
+            let events: Vec<Event> = from_worker.iter().collect();
+            let removed = |event: &Event| matches!(event, Event::Removed(path) if *path == files[2]);
+            assert_eq!(events.iter().filter(|event| removed(event)).count(), 1);
+            assert!(!events.iter().any(|event| matches!(event, Event::AllCompiled(2))), "it is interrupted");
+            assert!(events.iter().any(|event| matches!(event, Event::AllCompiled(3))));
+        });
+    }
 }

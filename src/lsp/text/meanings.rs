@@ -71,7 +71,7 @@ const MEANINGS: &[Meaning] = &[
         "Refers to another instance, or is `none`. Of a `ref owner: any` only `x` and `y` can be read until `is` narrows it.",
         "ref target: Slime",
     ),
-    means("button", "The buttons that the entity asks, with `pressed`, `held` and `released`.", "button jump, run"),
+    means("button", "The buttons that the entity reads, with `pressed`, `held` and `released`.", "button jump, run"),
     means(
         "axis",
         "The axes that the entity reads: numbers from -1 to 1, for any expression.",
@@ -79,7 +79,7 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "collider",
-        "A shape that moves with the entity, and tags by which `collide` and `touching` speak of it. With `when` it is \
+        "A shape that moves with the entity, and tags by which `collide` and `touching` refer to it. With `when` it is \
          there only while the guard holds.",
         "collider body, player: rect(0, 0, 16, 16)\ncollider blade: rect(16, 6, 12, 4) when in stab",
     ),
@@ -95,7 +95,7 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "invariant",
-        "What always holds of the entity. `hypedc check` tries to prove it; a run in which it breaks says so. It changes \
+        "What always holds of the entity. `hypedc check` tries to prove it; a run reports it when it does not hold. It changes \
          nothing.",
         "invariant 0 <= y <= 160",
     ),
@@ -160,7 +160,7 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "directions",
-        "How many directions an envelope of two variables knows: 2 to 64, or `any`. The nearest one is taken.",
+        "Number of directions of an envelope of two variables: 2 to 64, or `any`. The nearest one is taken.",
         "envelope (x', y') by (horizontal, vertical) directions 8 { sustain 60 }",
     ),
     means(
@@ -182,23 +182,19 @@ const MEANINGS: &[Meaning] = &[
     means("while", "While this does not hold, it is as if nothing drove the envelope.", "while touching(wall, below)"),
     means("for", "How long a `fixed` envelope stays at its peak.", "sustain for 0.1s"),
     means("instant", "At once, in one step.", "attack instant"),
-    means("accel", "By so much each second.", "attack accel 300"),
-    means(
-        "over",
-        "At the constant rate that covers the way between the two levels in so much time.",
-        "release over 0.2s",
-    ),
+    means("accel", "The rate at which the level changes: by this much each second.", "attack accel 300"),
+    means("over", "At a constant rate, from one level to the other in this time.", "release over 0.2s"),
     means("hold", "The variable keeps the value that it has when it is no longer driven.", "release hold"),
     means("to", "The peak of an attack, or the level that a release goes to.", "attack over 0.1s to 120"),
     // Expressions.
     means(
         "and",
-        "Both hold. The right side is not looked at if the left one is false.",
+        "Both hold. The right side is not evaluated if the left one is false.",
         "when x > 0 and held(run) -> fast",
     ),
     means(
         "or",
-        "At least one holds. The right side is not looked at if the left one is true.",
+        "At least one holds. The right side is not evaluated if the left one is true.",
         "when x < 0 or y < 0 -> out",
     ),
     means("not", "It does not hold.", "when not held(run) -> walking"),
@@ -222,7 +218,7 @@ const MEANINGS: &[Meaning] = &[
     means("if", "The second argument if the first holds, else the third.", "x' = if(facing == left, -30, 30)"),
     means("true", "The truth value of what holds.", "discrete armed: bool = true"),
     means("false", "The truth value of what does not hold.", "discrete armed: bool = false"),
-    means("none", "What a reference is that refers to nothing.", "x = if(target is none, 40, target.x)"),
+    means("none", "The value of a reference that refers to nothing.", "x = if(target is none, 40, target.x)"),
     means("self", "This instance.", "when timer >= 0.5 { destroy self }"),
     means(
         "timer",
@@ -243,10 +239,10 @@ const MEANINGS: &[Meaning] = &[
     means("step", "The length of a step, s; 1/60 without this line.", "step 1/60"),
     means(
         "collide",
-        "Which colliders matter to each other, by their tags, and what a contact does. All others pass through each other.",
+        "Which colliders can touch, by their tags, and what a contact does. All others pass through each other.",
         "collide body with wall: block\ncollide body with enemy: sense",
     ),
-    means("with", "Stands between the tags of the two sides.", "collide body, crate with wall: block"),
+    means("with", "Separates the tags of the two sides.", "collide body, crate with wall: block"),
     means(
         "block",
         "What can move is pushed out, and its velocity into the surface becomes 0.",
@@ -283,10 +279,10 @@ const MEANINGS: &[Meaning] = &[
         "A tile set: how large its tiles are, px, and what each character of a map means. `empty` is no tag at all.",
         "tiles room 16 x 16 {\n    '.': empty\n    '#': wall\n    'S': spawn Slime\n}",
     ),
-    means("x", "Stands between the width and the height of a tile, px.", "tiles room 16 x 16 { '.': empty }"),
+    means("x", "Separates the width and the height of a tile, px.", "tiles room 16 x 16 { '.': empty }"),
     means(
         "limit",
-        "The most instances of an entity that are alive at any time. An entity that is spawned needs one.",
+        "Maximum number of instances of an entity that are alive at any time. An entity that is spawned needs one.",
         "limit Fireball 2",
     ),
     means("player", "Gives an instance the inputs of a player.", "player 1: hero"),
@@ -297,12 +293,12 @@ const MEANINGS: &[Meaning] = &[
     ),
     means(
         "never",
-        "What must not happen: it ends a branch of a search, and a run reports it.",
+        "A predicate that must never hold: it ends a branch of a search, and a run reports it.",
         "never fell: hero.y < 0",
     ),
     means(
         "space",
-        "A room with coordinates of its own; things in different spaces never meet.",
+        "A room with coordinates of its own; instances in different spaces never touch.",
         "space main {\n    place hero: Hero at (32, 16)\n}",
     ),
     means(

@@ -50,22 +50,26 @@ pub(in crate::lsp) const SIGNATURES: &[Signature] = &[
     Signature {
         name: "touching",
         parameters: &["tag", "side"],
-        doc: "On a side of one's own collider: `left`, `right`, `above` or `below`.",
+        doc: "On a side of this instance's collider: `left`, `right`, `above` or `below`.",
     },
-    Signature { name: "touching", parameters: &["own tag", "tag"], doc: "A collider with a tag of one's own does." },
-    Signature { name: "touching", parameters: &["own tag", "tag", "side"], doc: "And on one of its sides." },
+    Signature {
+        name: "touching",
+        parameters: &["own tag", "tag"],
+        doc: "Only colliders of this instance with this tag.",
+    },
+    Signature { name: "touching", parameters: &["own tag", "tag", "side"], doc: "Only on one of its sides." },
     Signature {
         name: "timer",
         parameters: &["mode"],
         doc: "Seconds since the mode was entered; 0 while it is not active.",
     },
-    Signature { name: "entering", parameters: &["mode"], doc: "A mode of another group is entered in this very step." },
-    Signature { name: "exiting", parameters: &["mode"], doc: "A mode of another group is left in this very step." },
+    Signature { name: "entering", parameters: &["mode"], doc: "A mode of another group is entered in this step." },
+    Signature { name: "exiting", parameters: &["mode"], doc: "A mode of another group is left in this step." },
     Signature { name: "lost", parameters: &["reference"], doc: "The reference is `none`." },
     Signature {
         name: "near",
         parameters: &["instance", "(x, y)", "radius"],
-        doc: "The instance is at most so far from a point, or from another instance; px.",
+        doc: "The distance of the instance to a point, or to another instance, is at most the radius; px.",
     },
     Signature { name: "inside", parameters: &["instance", "space"], doc: "The instance is in the space." },
     Signature {

@@ -1,5 +1,5 @@
 //! Nested cells over projections of the state, with the nodes in the innermost ones, for planners without
-//! nearest-neighbour queries (`coverage_guided.rs`, `lead.rs`).
+//! nearest-neighbour queries (`coverage_guided.rs`, `distance_guided.rs`).
 
 use hashbrown::HashTable;
 use rand::RngExt;

@@ -7,9 +7,9 @@
 mod adaptive;
 mod cells;
 mod coverage_guided;
+mod distance_guided;
 mod eg;
 mod guided;
-mod lead;
 mod rc;
 mod reachable;
 mod rg;
@@ -35,7 +35,7 @@ pub enum Planner {
     AstarRrt,
     AstarRgRrt,
     Coverage,
-    Lead,
+    DistanceGuided,
     Exhaustive,
     BestFirst,
 }
@@ -136,27 +136,29 @@ const SPECS: [Spec; 12] = [
         },
     },
     Spec {
-        planner: Planner::Lead,
-        name: "lead",
-        summary: "led by the distance to the goal through the level (after SyCLoP)",
+        planner: Planner::DistanceGuided,
+        name: "distance-guided",
+        summary: "guided by the distance to the goal through the level (after SyCLoP)",
         hold: (4, 60),
         restart: 100_000,
         uses_distances: true,
         method: Method::Sampling {
             samples: false,
-            strategy: |problem, metric, distances| Box::new(lead::Lead::new(problem, metric, distances)),
+            strategy: |problem, metric, distances| {
+                Box::new(distance_guided::DistanceGuided::new(problem, metric, distances))
+            },
         },
     },
     Spec::exhaustive(
         Planner::Exhaustive,
         "exhaustive",
-        "breadth first, each state once: shortest plans, and proofs of no",
+        "breadth first, each state once: shortest plans, and proofs of unreachability",
         false,
     ),
     Spec::exhaustive(
         Planner::BestFirst,
         "best-first",
-        "the nearest to the goal first, each state once: proofs of no",
+        "the nearest to the goal first, each state once: proofs of unreachability",
         true,
     ),
 ];
@@ -188,9 +190,14 @@ impl Planner {
         self.spec().summary
     }
 
-    /// The planner with a name.
+    /// A name that it had before, which old scripts use.
+    pub fn former_name(self) -> Option<&'static str> {
+        (self == Planner::DistanceGuided).then_some("lead")
+    }
+
+    /// The planner with a name, which may be a former one.
     pub fn named(name: &str) -> Option<Planner> {
-        Planner::ALL.into_iter().find(|p| p.name() == name)
+        Planner::ALL.into_iter().find(|p| p.name() == name || p.former_name() == Some(name))
     }
 
     /// Default range of the number of steps for which it holds an input, ends included.

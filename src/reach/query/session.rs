@@ -30,7 +30,7 @@ pub struct Query {
     /// Limits of each search.
     pub limits: Limits,
     /// Minimum number of steps for which each input is held.
-    pub least_hold: u16,
+    pub min_hold: u16,
     /// Maximum number of steps of a path from the start of the search; `None`: no limit.
     pub within: Option<u32>,
     /// `never`s that a path must not break; counterexamples to them are not reported.
@@ -48,7 +48,7 @@ impl Query {
             targets,
             settings: Settings::default(),
             limits: Limits::default(),
-            least_hold: 1,
+            min_hold: 1,
             within: None,
             without: Vec::new(),
             after: Vec::new(),
@@ -290,8 +290,8 @@ impl Session {
 
     /// The problem for a target; `None` if the watch stopped the replay of a start.
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
-        let Query { least_hold, within, without, after, .. } = &self.query;
-        let mut problem = Problem::asking(&self.sim, target).holding(*least_hold);
+        let Query { min_hold, within, without, after, .. } = &self.query;
+        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold);
         if let Some(monitor) = &self.monitor {
             problem = problem.monitored(monitor);
         }

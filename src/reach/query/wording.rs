@@ -39,8 +39,8 @@ fn argument_reasons(sources: &SourceMap, program: &Program, world: &World, argum
 }
 
 /// Describes the states that an exhaustive search visited.
-fn visited(Exhaustion { states, least_hold }: Exhaustion) -> String {
-    let held = match least_hold {
+fn visited(Exhaustion { states, min_hold }: Exhaustion) -> String {
+    let held = match min_hold {
         1 => "that can change at every step".to_string(),
         steps => format!("that are held for at least {steps} steps"),
     };

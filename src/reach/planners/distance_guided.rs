@@ -58,7 +58,7 @@ struct Estimate {
 
 /// A strategy that extends the places nearest to the goal.
 #[derive(Debug)]
-pub struct Lead<'m> {
+pub struct DistanceGuided<'m> {
     distances: Option<&'m DistanceField>,
     /// The coordinates of the players' velocities, with their cells per unit of distance and the offset of the first.
     velocities: Vec<(usize, f32, f32)>,
@@ -72,7 +72,7 @@ pub struct Lead<'m> {
     queue: BinaryHeap<Queued>,
 }
 
-impl<'m> Lead<'m> {
+impl<'m> DistanceGuided<'m> {
     /// A strategy for a problem, with its distance field if there is one.
     pub fn new(problem: &Problem<'_>, metric: &Metric, distances: Option<&'m DistanceField>) -> Self {
         let is_player = |slot: SlotId| problem.players().contains(&slot);
@@ -88,7 +88,7 @@ impl<'m> Lead<'m> {
             let groups = program.entities[world.slots[slot].entity].groups.ids();
             groups.filter_map(move |group| metric.mode_index(slot, group))
         });
-        Lead {
+        DistanceGuided {
             distances,
             velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
             modes: groups.collect(),
@@ -179,7 +179,7 @@ impl<'m> Lead<'m> {
     }
 }
 
-impl Strategy for Lead<'_> {
+impl Strategy for DistanceGuided<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
         let place = if context.rng.random_ratio(1, RANDOM_ONE_IN) {
             let open = self.cells.first();

@@ -53,7 +53,7 @@ use mutants::originals;
 use run::{Inputs, Runs, run};
 use tally::Tally;
 
-/// The numbers of the worlds to look at: some from the first on, or as the environment says.
+/// The numbers of the worlds to test: a default range, or as set by the environment.
 fn seeds(usual: u64) -> std::ops::Range<u64> {
     let number = |name: &str| std::env::var(name).ok().and_then(|v| v.parse().ok());
     if std::env::var_os("HYPEDC_LONG").is_none() {
@@ -63,7 +63,7 @@ fn seeds(usual: u64) -> std::ops::Range<u64> {
     from..from + number("HYPEDC_WORLDS").unwrap_or(20 * usual)
 }
 
-/// Looks at worlds of a kind; almost all compile, and no claim is refuted.
+/// Tests worlds of a kind; almost all compile, and no claim is refuted.
 fn holds(source: &Source, usual: u64, compiles: u64) {
     let hunt = hunt(source, seeds(usual));
     let (worlds, compiled) = (hunt.worlds, hunt.compiled);
@@ -83,7 +83,7 @@ fn nothing_that_is_claimed_of_changed_worlds_is_false() {
     holds(&Source::Changed(originals()), 1_500, 60);
 }
 
-/// Of these programs something false was said once.
+/// These programs once had a false verdict.
 #[test]
 fn what_was_false_once_is_not_said_again() {
     let mut again = Vec::new();
@@ -95,7 +95,7 @@ fn what_was_false_once_is_not_said_again() {
     assert!(again.is_empty(), "{}", again.join("\n"));
 }
 
-/// Everything that the language has stands in the random worlds, and happens when they run.
+/// Every construct of the language occurs in the random worlds, and takes effect when they run.
 #[test]
 fn every_construct_happens() {
     let mut tally = Tally::default();
@@ -107,7 +107,7 @@ fn every_construct_happens() {
         let sim = Simulator::new(program, WorldId(0));
         let mut scratch = sim.scratch();
         let Ok(mut state) = sim.initial(&mut scratch) else { continue };
-        // To look at all of them takes long.
+        // All of them would take long.
         let is_by_place = seed.is_multiple_of(16) && Claims::of(&compilation, program, WorldId(0)).is_by_place();
         tally.survey(&sim, is_by_place);
         let mut inputs = Inputs::new(seed, sim.world().players.len());
@@ -144,7 +144,7 @@ fn possible_states_lead_to_possible_ones() {
         let sim = Simulator::new(program, WorldId(0));
         let mut runs = Runs::default();
         run(&sim, &claims, 160, seed, &mut runs);
-        // What is false of reached states is told elsewhere.
+        // False claims about reached states are reported elsewhere.
         if runs.refuted.is_some() {
             continue;
         }
@@ -171,7 +171,7 @@ fn the_same_world_written_otherwise_is_judged_alike() {
             let compilation = compiled(text);
             let program = compilation.program.as_ref()?;
             let claims = Claims::of(&compilation, program, WorldId(0));
-            // How long it takes to look at a world depends on how it is written.
+            // The time of an analysis depends on how the world is written.
             let is_given_up = claims.space.slots.iter().any(|s| s.is_given_up);
             (!is_given_up).then(|| claims.verdicts(program, WorldId(0)))
         };
@@ -187,7 +187,7 @@ fn the_same_world_written_otherwise_is_judged_alike() {
     println!("{differ:#?}");
     for way in Otherwise::ALL {
         let (count, found) = &differ[&way];
-        // Rounding and the numbers at which growing ends stay differ with the frame.
+        // Rounding, and the numbers at which widening stops, differ with the frame.
         let most = if matches!(way, Otherwise::Mirrored | Otherwise::Shifted) { count / 50 } else { 0 };
         assert!(found.len() <= most, "{way:?}: {found:#?}");
         assert!(*count > 0, "{way:?}: nothing to compare");

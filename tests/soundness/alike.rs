@@ -1,20 +1,20 @@
-//! The same world written otherwise: what is proven of it should stay the same.
+//! Equivalent versions of a world: what is proven of them should be the same.
 
 use super::frame::Frame;
 use super::generate::{program, words};
 
-/// A way to write a world otherwise.
+/// A transformation that keeps the meaning of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Otherwise {
-    /// Left and right change places.
+    /// Mirrored.
     Mirrored,
-    /// By whole tiles to the right and up.
+    /// Moved by whole tiles to the right and up.
     Shifted,
-    /// All names are others.
+    /// All names are replaced.
     Renamed,
-    /// Entities in another order.
+    /// Entities in reverse order.
     Reordered,
-    /// With one more instance, far away from all others.
+    /// One more instance, far away from all others.
     Watched,
 }
 
@@ -22,7 +22,7 @@ impl Otherwise {
     pub const ALL: [Otherwise; 5] =
         [Otherwise::Mirrored, Otherwise::Shifted, Otherwise::Renamed, Otherwise::Reordered, Otherwise::Watched];
 
-    /// The program of these choices, written otherwise; none where that would be another world.
+    /// The transformed program of these choices; none if the meaning would change.
     pub fn written(self, choices: &[u16]) -> Option<String> {
         let text = program(choices, Frame::default());
         let names_files = ["from \"", "vglc", "tiled", "ldtk", "map level"].iter().any(|w| text.contains(w));
@@ -33,7 +33,7 @@ impl Otherwise {
             Otherwise::Shifted => Some(program(choices, Frame { is_mirrored: false, tiles: (2, 1) })),
             Otherwise::Renamed => Some(renamed(&text)),
             Otherwise::Reordered => Some(reordered(&text)),
-            // What refers to whatever there is could refer to that one.
+            // An unbound reference could refer to that one.
             Otherwise::Watched if words(&text).any(|w| matches!(w, "friend" | "seen")) => None,
             Otherwise::Watched => {
                 let with =
@@ -44,7 +44,7 @@ impl Otherwise {
     }
 }
 
-/// Names that may change, but for those of questions; tags are names of tiles and of files, too.
+/// Names that can be replaced, except those of goals; tags also name tiles and occur in files.
 fn is_own(word: &str) -> bool {
     const OWN: [&str; 22] = [
         "A", "B", "C", "size", "speed", "force", "delay", "turn", "q", "heat", "count", "flag", "colour", "red",
@@ -72,7 +72,7 @@ fn renamed(text: &str) -> String {
     out
 }
 
-/// The entities from the last to the first; what else there is stays.
+/// The entities from the last to the first; everything else stays.
 fn reordered(text: &str) -> String {
     let (mut entities, mut rest): (Vec<String>, String) = (Vec::new(), String::new());
     let mut is_in = false;

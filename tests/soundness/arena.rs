@@ -1,10 +1,10 @@
-//! The worlds of random programs: rooms of a few tiles with everything close together, who stands where, and what is asked.
+//! The worlds of random programs: rooms of a few tiles with everything close together, instances, goals.
 
 use super::frame::{Frame, number};
 use super::generate::{Dim, Generator, Palette};
 use crate::support::draw::Draw;
 
-/// What is decided of a world before anything is written.
+/// Properties of a world that are drawn before its text.
 pub struct Arena {
     /// The side of a tile, px.
     pub tile: f64,
@@ -12,25 +12,25 @@ pub struct Arena {
     rows: usize,
     /// Whether there is a second room.
     pub links: bool,
-    /// Whether there is a third one.
+    /// Whether there is a third room.
     has_attic: bool,
     main: Kind,
     second: Kind,
-    /// How thick the walls of a chamber are, px.
+    /// Thickness of the walls of a chamber, px.
     thickness: f64,
     /// Whether the instance of a tile has a name.
     has_boss: bool,
     /// The instances that are placed, each with the number of its entity.
     pub places: Vec<usize>,
-    /// Where the last one was placed.
+    /// Position of the last one.
     pub last: (f64, f64),
     /// The size of the player's body, px.
     pub body: [f64; 2],
-    /// How its instances are placed: what stands behind them.
+    /// How its instances are placed: the text after them.
     pub settings: &'static str,
 }
 
-/// What a room is made of.
+/// The contents of a room.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Map,
@@ -49,7 +49,7 @@ impl Arena {
         let links = draw.chance(if palette.travels { 90 } else { 20 });
         let mut main = [Map, Map, Rects, OpenMap, Rects, Floor, Nothing, Map, Chamber][draw.pick(9)];
         if palette.walks && draw.chance(60) {
-            // Where few edges meet, so that there are few places to tell apart.
+            // Few edges meet here, so there are few places to distinguish.
             main = [Chamber, Floor, Rects][draw.pick(3)];
         }
         if palette.dashes && draw.chance(50) {
@@ -72,7 +72,7 @@ impl Arena {
         }
     }
 
-    /// Nothing of its own: what it is made of is said otherwise.
+    /// Nothing of its own: other options define its contents.
     pub fn clear(&mut self, links: bool) {
         (self.main, self.has_boss, self.links, self.has_attic) = (Kind::Nothing, false, links, false);
     }
@@ -112,7 +112,7 @@ impl Generator<'_> {
         self.out.push('\n');
     }
 
-    /// A world with all its spaces and questions.
+    /// A world with all its spaces and goals.
     pub fn world(&mut self, frame: Frame) -> String {
         self.out.clear();
         self.place_plans();
@@ -120,7 +120,7 @@ impl Generator<'_> {
         let step = self.draw.one(&STEPS);
         self.world_line(format!("step {step}"));
         self.collide_lines();
-        // Who is spawned is known once the entities are written.
+        // Spawned entities are known once the entities are written.
         self.world_line("LIMITS");
         let tile = number(self.arena.tile);
         self.world_line(format!("tiles t {tile} x {tile} {{"));
@@ -143,13 +143,13 @@ impl Generator<'_> {
         std::mem::take(&mut self.out)
     }
 
-    /// How many there may be of each entity that is spawned, and now and then of another one.
+    /// Limits of each entity that is spawned, and sometimes of another one.
     pub fn limits(&mut self) -> String {
         let mut out = String::new();
         for (index, plan) in self.plans.iter().enumerate() {
             let free = [1, 2, 3][self.draw.pick(3)];
             if plan.is_spawned || self.draw.chance(5) {
-                // One may stand on a tile of each map.
+                // One can be placed by a tile of each map.
                 let tiles = if index == 0 { 2 + usize::from(self.arena.has_boss) } else { 0 };
                 let placed = self.arena.places.iter().filter(|p| **p == index).count() + tiles;
                 out.push_str(&format!("limit {} {}\n", plan.name, placed + free));
@@ -328,7 +328,7 @@ impl Generator<'_> {
         self.world_line(format!("rect {tags} {rect}"));
     }
 
-    /// A place in or near the room, mostly on a grid of 8 px.
+    /// A position in or near the room, mostly on a grid of 8 px.
     fn spot(&mut self) -> (f64, f64) {
         let count = |size: f64| (size / 8.0) as usize + 2;
         let x = 8.0 * self.draw.pick(count(self.arena.width())) as f64;
@@ -350,7 +350,7 @@ impl Generator<'_> {
     fn place_one(&mut self, index: usize, plan: usize) {
         let (mut x, mut y) = self.spot();
         if index > 0 && self.draw.chance(50) {
-            // Next to another one, or on it.
+            // Next to another instance, or on it.
             let by = [16.0, 0.0, -16.0, 24.0, 8.0, -8.0];
             (x, y) = (self.arena.last.0 + by[self.draw.pick(6)], self.arena.last.1 + by[self.draw.pick(5)]);
         }
@@ -399,7 +399,7 @@ impl Generator<'_> {
         let from = self.axes.rect([x - 8.0, y - 8.0, [24.0, 100.0][self.draw.pick(2)], 30.0]);
         let (x, y) = self.spot();
         let (width, height) = ([24.0, 16.0, 1.0][self.draw.pick(3)], [30.0, 8.0][self.draw.pick(2)]);
-        // It has to end in the room, whatever that is.
+        // It must end in the room, whatever its contents.
         let (x, y) = (x.clamp(8.0, (self.arena.width() - width).min(24.0)), y.clamp(0.0, 32.0 - height));
         let at = self.axes.rect([x, y, width, height]);
         let guard = if self.draw.chance(30) { format!(" when {}", self.predicate()) } else { String::new() };

@@ -1,4 +1,4 @@
-//! The choices from which a program with a number is drawn.
+//! The random choices of a program with a number.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -1,4 +1,4 @@
-//! What the analysis says of a world, and whether a state is against it.
+//! The claims of the analysis about a world, and whether a state contradicts them.
 
 use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, Spaces, invariants, watched_findings, watched_space};
 use hypedc::compile::Compilation;
@@ -12,10 +12,10 @@ use super::eye::{Eye, Nobody};
 use super::outside::outside;
 use super::poll_limit::PollLimit;
 
-/// A state or an event that cannot be, and was.
+/// A state or an event that is claimed to be impossible, and occurred.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
-    /// What kind of claim is false; as a rule the same for one and the same mistake.
+    /// The kind of the false claim; usually the same for the same bug.
     pub class: String,
     pub what: String,
 }
@@ -26,7 +26,7 @@ impl Violation {
     }
 }
 
-/// How far a run has come, in what the analysis assumes of runs.
+/// Which assumptions of the analysis a run still satisfies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StateStatus {
     /// No player has left its bounds.
@@ -39,7 +39,7 @@ fn poll_limit() -> PollLimit {
     PollLimit::new(MAX_LOOKS)
 }
 
-/// Combinations of modes that are looked at, each time that more is known of it.
+/// Maximum number of combinations of modes per world.
 const MAX_LOOKS: u32 = 250;
 
 fn findings_of(compilation: &Compilation, program: &Program) -> Option<(Diagnostics, Spaces)> {
@@ -61,27 +61,27 @@ fn is_free(program: &Program, world: &World) -> bool {
         && world.slots.iter().all(|s| (s.player.is_some() || is_played(s.entity)) && !counts(s.entity))
 }
 
-/// Everything that is claimed of a world.
+/// All claims about a world.
 pub struct Claims {
     pub space: ConfigurationSpace,
     guard: Monitor,
-    /// Of runs on which no `never` holds, if there is any.
+    /// Claims about runs on which no `never` holds, if there is any.
     guard_within: Option<Monitor>,
     goals: Vec<GoalId>,
     goals_within: Vec<GoalId>,
     nevers: Vec<NeverId>,
     invariants: Vec<(EntityId, usize)>,
-    /// What `check` says, of runs that go on whatever happens.
+    /// Claims of `check`, about runs that continue whatever happens.
     silent: Vec<(EntityId, usize)>,
     modes: Vec<(EntityId, ModeId)>,
     guards: Vec<GuardClaim>,
 }
 
-/// A guard, or a part of one, that never or always holds.
+/// A guard, or a part of one, that is claimed never or always to hold.
 struct GuardClaim {
     entity: EntityId,
     part: ExprId,
-    /// The leaf that it is asked in.
+    /// The leaf in which it is evaluated.
     leaves: Vec<hypedc::ir::LeafId>,
     holds: bool,
 }
@@ -139,17 +139,17 @@ impl Claims {
         claims
     }
 
-    /// Whether too much could be of some slot.
+    /// Whether some slot was given up.
     pub fn is_given_up(&self) -> bool {
         is_given_up(&self.space)
     }
 
-    /// Whether a player is told apart by place.
+    /// Whether a player is distinguished by place.
     pub fn is_by_place(&self) -> bool {
         !std::ptr::eq(self.space.finest(), &self.space)
     }
 
-    /// Adds what `hypedc check` says, and what it says by saying nothing.
+    /// Adds the claims of `hypedc check`, which also claims something by reporting nothing.
     fn check(&mut self, found: &Diagnostics, program: &Program, world: WorldId) {
         let places = |code: Code| -> Vec<(Span, bool)> {
             let all = found.iter().filter(|d| d.code == code);
@@ -178,7 +178,7 @@ impl Claims {
                     .collect();
                 for part in program.with_operands(vec![e.guard]) {
                     let said = guards.iter().find(|(at, _)| *at == program.spans.exprs[part]);
-                    // Comparisons and atoms alone; what stands in brackets has the span of the brackets' inside.
+                    // Only comparisons and atoms; an expression in brackets has the span of the brackets' content.
                     if let Some((_, holds)) = said {
                         let leaves = leaves.clone();
                         self.guards.push(GuardClaim { entity: id, part, leaves, holds: *holds });
@@ -188,7 +188,7 @@ impl Claims {
         }
     }
 
-    /// How much is claimed.
+    /// Number of claims.
     pub fn count(&self) -> usize {
         self.goals.len()
             + self.goals_within.len()
@@ -198,7 +198,7 @@ impl Claims {
             + self.guards.len()
     }
 
-    /// The goals that are proven unreachable, with all inputs allowed; by their number.
+    /// The ids of the goals that are proven unreachable with all inputs.
     pub fn verdicts(&self, program: &Program, world: WorldId) -> Vec<(String, bool)> {
         let table = &program.worlds[world];
         let goals = table.goals.pairs().map(|(id, g)| (g.name.clone(), self.goals.contains(&id)));
@@ -206,7 +206,7 @@ impl Claims {
         goals.chain(nevers).collect()
     }
 
-    /// What a state is against, if it is reached by a run of this kind.
+    /// The claim that a state contradicts, if a run of this kind reaches it.
     pub fn refuted(&self, sim: &Simulator, state: &[u8], standing: StateStatus) -> Option<Violation> {
         let (program, world) = (sim.program(), sim.world());
         if standing.is_inside {
@@ -280,7 +280,7 @@ impl Claims {
         None
     }
 
-    /// What a step from a state with an input is against.
+    /// The claim that a step from a state with an input contradicts.
     pub fn refuted_by_step(&self, sim: &Simulator, state: &[u8], input: &Input) -> Option<Violation> {
         let (program, world) = (sim.program(), sim.world());
         for claim in &self.guards {
@@ -306,7 +306,7 @@ impl Claims {
     }
 }
 
-/// What of a state is outside, without names and numbers.
+/// The part of a state that is outside, without names and numbers.
 fn class_of(what: &str) -> String {
     let rest = what.rsplit(": ").next().unwrap_or(what);
     match rest {

@@ -14,16 +14,16 @@ use rand_pcg::Pcg64;
 use super::claims::{Claims, StateStatus, Violation};
 use super::run::Inputs;
 
-/// What came of some drawn states.
+/// The results of some drawn states.
 #[derive(Debug, Default)]
 pub struct Drawn {
     pub states: usize,
-    /// Those of them that were stepped.
+    /// Number of them that were stepped.
     pub stepped: usize,
     pub hints: Vec<Violation>,
 }
 
-/// Steps states that are drawn from what is claimed and what was reached.
+/// Steps states that are drawn from claimed and from reached ones.
 pub fn consecution(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], tries: usize, seed: u64) -> Drawn {
     let mut out = Drawn::default();
     if samples.is_empty() {
@@ -73,7 +73,7 @@ fn drawn(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pcg64)
             }
         }
         let leaves = || entity.groups.ids().map(|g| layout.leaf(&state, g));
-        // By place there are many with the same leaves.
+        // If places are distinguished, many have the same leaves.
         let alike: Vec<_> = space.configurations.iter().filter(|c| leaves().eq(c.leaves.iter().copied())).collect();
         if alike.is_empty() {
             continue;
@@ -81,7 +81,7 @@ fn drawn(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pcg64)
         let at = alike[rng.random_range(0..alike.len())];
         change(layout, at, s.timer_limits.iter().as_slice(), way == 2, &mut state, rng);
     }
-    // Nothing refers to what is not there.
+    // Nothing refers to an absent instance.
     for (slot, s) in world.slots.pairs() {
         let layout = &world.layout.slots[slot];
         let entity = &program.entities[s.entity];
@@ -128,7 +128,7 @@ fn change(layout: &SlotLayout, at: &Configuration, limits: &[u32], all: bool, st
     }
 }
 
-/// An end of an interval, or something within.
+/// An end of an interval, or a value inside.
 fn value(values: &Values, now: f64, rng: &mut Pcg64) -> f64 {
     let Some(Interval { low, high }) =
         values.intervals().get(rng.random_range(0..values.intervals().len().max(1))).copied()

@@ -3,7 +3,7 @@
 use super::generate::{Dim, Generator, May, NAMES};
 
 impl Generator<'_> {
-    /// The members of an entity but for its declarations.
+    /// The members of an entity except its declarations.
     pub fn entity(&mut self) -> String {
         self.out.clear();
         let plan = self.plan().clone();
@@ -78,7 +78,7 @@ impl Generator<'_> {
         std::mem::take(&mut self.out)
     }
 
-    /// Colliders of which each is there in one of the modes.
+    /// Colliders, each active in one of the modes.
     fn sizes(&mut self, kinematic: &str, tag: &str) {
         for mode in self.plan().modes[0].clone() {
             let (width, height) = (["16", "16", "8", "24"], ["16", "32", "30", "16.5", "8"]);
@@ -92,7 +92,7 @@ impl Generator<'_> {
         }
     }
 
-    /// A player who walks and falls; links are followed in each mode.
+    /// A player that walks and falls; links are followed in each mode.
     fn gait(&mut self) {
         let speed = format!("speed * {}", self.axes.axis("horizontal"));
         self.line(format!("x' = {}", self.axes.write("x'", &speed)));
@@ -124,7 +124,7 @@ impl Generator<'_> {
         }
     }
 
-    /// The side of a collider that changes.
+    /// The side of a collider whose size changes.
     fn side(&mut self) -> String {
         let value = self.value(Dim::Length);
         let own = self.draw.one(&["q", "size", "size * count"]);
@@ -159,7 +159,7 @@ impl Generator<'_> {
         }
     }
 
-    /// Modes beside each other, with what is inside of them.
+    /// Modes of one group, with their contents.
     fn siblings(&mut self, prefix: &str, paths: &[String], driven: &[&str]) {
         let own: Vec<String> =
             paths.iter().filter(|p| !p[prefix.len()..].contains('.')).map(|p| p[prefix.len()..].to_string()).collect();
@@ -197,7 +197,7 @@ impl Generator<'_> {
         } else {
             for (index, variable) in driven.iter().enumerate() {
                 if index == dash {
-                    // There in one mode, and back in the next one.
+                    // There in one mode, back in the next one.
                     let speed =
                         if own.is_multiple_of(2) { self.draw.one(&["60000", "4800", "12000"]) } else { "-60000" };
                     let name = format!("{variable}'");
@@ -249,7 +249,7 @@ impl Generator<'_> {
             let touching = self.touching();
             self.line(format!("when {touching} -> {target}"));
         }
-        // Without this most worlds stay in their first mode.
+        // Without this, most worlds stay in their first mode.
         if siblings.len() > 1 && self.draw.chance(60) {
             let target = &siblings[(own + 1) % siblings.len()];
             let time = match self.palette.dashes && self.draw.chance(60) {

@@ -60,7 +60,7 @@ impl Generator<'_> {
         }
     }
 
-    /// What is read of another instance, where there is one.
+    /// A value of another instance, if there is one.
     fn read_other(&mut self, dim: Dim) -> String {
         let param = dim.param();
         let of = self.any_plan();
@@ -136,13 +136,13 @@ impl Generator<'_> {
                     _ => format!("({known} * atan2({y}, {x}))"),
                 }
             }
-            // Numbers alone would be pure ones.
+            // Numbers alone would have no dimension.
             12 => format!("({a} + {known}) * {}", self.draw.one(&["n", "0.5", "2"])),
             _ => format!("({a} - {known}) / {}", self.draw.one(&["2", "(1 + abs(n))", "max(n, 1)", "n"])),
         }
     }
 
-    /// A pure number from a length or a count.
+    /// A number without dimension from a length or a count.
     fn ratio(&mut self) -> String {
         match self.may {
             May::Params => "n".into(),
@@ -155,7 +155,7 @@ impl Generator<'_> {
         }
     }
 
-    /// What one of mine can touch.
+    /// The tags that a collider of this entity can touch.
     fn other_tag(&mut self) -> String {
         let mut tags = vec!["wall", "wall", "wall", "cloud", "\"thin ice\""];
         tags.extend(self.plans.iter().map(|p| p.tag));

@@ -1,4 +1,4 @@
-//! Reads expressions against a state, by the language's definition and not by the simulator's code; tells what it reads.
+//! Evaluates expressions in a state by the language's definition, independently of the simulator; reports its reads.
 
 use hypedc::ir::{
     Arithmetic, By, CompareOp, EdgeId, Entity, Expr, ExprId, Function, Id, LeafId, MAX_AXES, ModeId, Press, Program,
@@ -7,13 +7,13 @@ use hypedc::ir::{
 use hypedc::sim::Input;
 use hypedc::sim::state::{buttons, real};
 
-/// Told of what is read.
+/// Receives what is read.
 pub trait Notes {
     fn note(&self, what: &str);
     fn turned_out(&self, atom: &str, holds: bool);
 }
 
-/// Nobody.
+/// Ignores it.
 pub struct Nobody;
 
 impl Notes for Nobody {
@@ -29,7 +29,7 @@ pub struct Eye<'a> {
     pub state: &'a [u8],
     pub input: &'a Input,
     pub me: SlotId,
-    /// What the groups of the instance do in this step.
+    /// The edges that the groups of the instance take in this step.
     pub taken: &'a [Option<Move>],
     pub notes: &'a dyn Notes,
 }
@@ -58,7 +58,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// The value of a number; none where reading it stops the run.
+    /// The value of a number; none if reading it stops the run.
     pub fn number(&self, id: ExprId) -> Option<f64> {
         let slots = &self.world.layout.slots;
         let finite = |x: f64| x.is_finite().then_some(x);
@@ -122,7 +122,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// How a guard turns out; none where reading it stops the run.
+    /// Whether a guard holds; none if reading it stops the run.
     pub fn truth(&self, id: ExprId) -> Option<bool> {
         let atom = |name: &str, holds: bool| {
             self.notes.turned_out(name, holds);
@@ -207,7 +207,7 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// What a group does in this step, if nothing stops the run; groups that it waits for are in `taken`.
+    /// The edge that a group takes in this step, if nothing stops the run; groups that it waits for are in `taken`.
     pub fn decide(&self, group: hypedc::ir::GroupId) -> Option<Move> {
         let entity = self.entity(self.me);
         let from = self.world.layout.slots[self.me].leaf(self.state, group);
@@ -253,7 +253,7 @@ fn function_name(function: Function) -> &'static str {
     }
 }
 
-/// What an envelope is driven by.
+/// The driver of an envelope.
 pub fn by_name(by: &By) -> &'static str {
     match by {
         By::Button(_) => "by a button",

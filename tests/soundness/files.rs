@@ -1,4 +1,4 @@
-//! The files that random programs name, in memory: levels of each format, and a part to import.
+//! The files that random programs refer to, in memory: levels of each format, and a file to import.
 
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ const FILES: [(&str, &str); 5] = [
     ),
 ];
 
-/// A program's text, and the files that it names.
+/// A program's text, and the files that it refers to.
 struct Shelf<'a>(&'a str);
 
 impl Files for Shelf<'_> {

@@ -1,13 +1,13 @@
-//! What drives the variables of random worlds: flows and envelopes.
+//! The flows and envelopes of random worlds.
 
 use super::generate::{Dim, Generator};
 
 impl Generator<'_> {
-    /// What drives a variable.
+    /// The flow or envelope of a variable.
     pub fn flow(&mut self, variable: &str) -> String {
         let played = self.plan().is_played;
         if self.draw.chance(60) || !self.palette.nodes && self.draw.chance(50) {
-            // What games do.
+            // As in games.
             let text = match (variable, self.draw.pick(6)) {
                 ("x", 0..=2) if played => format!("speed * {}", self.axes.axis("horizontal")),
                 ("x", _) => self.draw.one(&["speed", "-speed", "speed * n", "60", "-60"]).into(),

@@ -1,12 +1,12 @@
 //! The frame of reference in which a world is written: the same world can be written mirrored, or somewhere else. Every
 //! coordinate that a program reads or writes goes through here.
 
-/// How the coordinates of a world are written.
+/// How the coordinates of a world are transformed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Frame {
-    /// Whether left and right change places; the map keeps its place.
+    /// Whether the world is mirrored; the map stays where it is.
     pub is_mirrored: bool,
-    /// By how many tiles everything is moved to the right, and up.
+    /// Number of tiles by which everything is moved to the right, and up.
     pub tiles: (u32, u32),
 }
 
@@ -18,7 +18,7 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// For maps of a width, with tiles of a size.
+    /// The frame for maps of a width, with tiles of a size.
     pub fn new(frame: Frame, width: f64, tile: f64) -> Self {
         let (right, up) = frame.tiles;
         let sign = if frame.is_mirrored { -1 } else { 1 };
@@ -34,7 +34,7 @@ impl Axes {
         }
     }
 
-    /// What reads a variable of an instance, such as `x'` of `friend.`; of one's own if there is no word before it.
+    /// The text that reads a variable of an instance, such as `x'` of `friend.`; of the own one if the prefix is empty.
     pub fn read(self, of: &str, variable: &str) -> String {
         let is_derivative = variable.contains('\'');
         match self.of(variable) {
@@ -46,7 +46,7 @@ impl Axes {
         }
     }
 
-    /// What a variable is set to.
+    /// The value to which a variable is set.
     pub fn write(self, variable: &str, value: &str) -> String {
         let is_derivative = variable.contains('\'');
         match self.of(variable) {
@@ -58,7 +58,7 @@ impl Axes {
         }
     }
 
-    /// A level that an envelope drives a variable to: of positions there is none.
+    /// A level of an envelope that drives a variable; never of a position.
     pub fn level(self, variable: &str, value: &str) -> String {
         if self.is_flipped(variable) { format!("-({value})") } else { value.to_string() }
     }
@@ -110,7 +110,7 @@ impl Axes {
     }
 }
 
-/// A number as the language writes it.
+/// A number in the language's syntax.
 pub fn number(x: f64) -> String {
     if x < 0.0 { format!("-{}", -x) } else { format!("{}", x.abs()) }
 }

@@ -17,7 +17,7 @@ pub enum Dim {
 }
 
 impl Dim {
-    /// The parameter that every entity has of it.
+    /// The parameter of this dimension that every entity has.
     pub fn param(self) -> &'static str {
         match self {
             Dim::Length => "size",
@@ -29,7 +29,7 @@ impl Dim {
     }
 }
 
-/// What is decided of an entity before any text is written, as others speak of it.
+/// Properties of an entity that are drawn before any text, as others refer to it.
 #[derive(Debug, Clone, Default)]
 pub struct Plan {
     pub name: String,
@@ -38,7 +38,7 @@ pub struct Plan {
     pub modes: Vec<Vec<String>>,
     pub is_kinematic: bool,
     pub is_played: bool,
-    /// Whether anything makes new ones.
+    /// Whether anything spawns it.
     pub is_spawned: bool,
 }
 
@@ -50,12 +50,12 @@ pub struct Generator<'c> {
     pub out: String,
     pub plans: Vec<Plan>,
     pub arena: Arena,
-    /// The entity that is written.
+    /// The current entity.
     pub me: usize,
-    /// The group whose modes are written, and the path of the mode.
+    /// The current group, and the path of the current mode.
     pub group: Option<usize>,
     pub mode: String,
-    /// What the expression that is written may ask: inputs, contacts, others.
+    /// What the current expression can read: inputs, contacts, others.
     pub may: May,
     pub depth: usize,
 }
@@ -64,28 +64,28 @@ pub struct Generator<'c> {
 /// of it (Groce, Zhang, Eide, Chen, Regehr, *Swarm testing*, ISSTA 2012).
 #[derive(Clone, Copy)]
 pub struct Palette {
-    /// Numbers that are tiny or huge, and a little off.
+    /// Tiny, huge and slightly changed numbers.
     pub extremes: bool,
     /// Expressions of several parts.
     pub nodes: bool,
-    /// References, and what others have.
+    /// References, and values of others.
     pub others: bool,
     /// Envelopes.
     pub envelopes: bool,
     /// Updates of positions.
     pub jumps: bool,
-    /// Updates of speeds and accelerations.
+    /// Updates of velocities and accelerations.
     pub kicks: bool,
-    /// Variables beside the position.
+    /// Variables other than the position.
     pub charges: bool,
     /// Spawning.
     pub spawns: bool,
     /// Destroying.
     pub ends: bool,
     pub clamps: bool,
-    /// Colliders that come and go, or change.
+    /// Colliders that appear, disappear or change.
     pub shapes: bool,
-    /// Guards that read positions and speeds.
+    /// Guards that read positions and velocities.
     pub senses: bool,
     /// Accelerations.
     pub forces: bool,
@@ -93,17 +93,17 @@ pub struct Palette {
     pub inputs: bool,
     /// Contacts in guards.
     pub contacts: bool,
-    /// Steps that are longer than walls are apart, through all of them and back.
+    /// Steps longer than the distance between walls, through all of them and back.
     pub dashes: bool,
-    /// Walls that all but touch, and gaps that all but fit.
+    /// Walls that almost touch, and gaps that almost fit.
     pub seams: bool,
     /// Colliders of several sizes, one in each mode.
     pub sizes: bool,
-    /// A player who falls and jumps in several rooms.
+    /// A player that falls and jumps in several rooms.
     pub travels: bool,
-    /// A player in a room with few other things, who can be told apart by place.
+    /// A player in a room with few other instances, distinguished by place.
     pub walks: bool,
-    /// Few entities with few modes: such worlds are looked at in little time.
+    /// Few entities with few modes: such worlds are analysed quickly.
     pub is_small: bool,
 }
 
@@ -144,24 +144,24 @@ impl Palette {
     }
 }
 
-/// What an expression may read.
+/// What an expression can read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum May {
     /// Anything.
     All,
-    /// No inputs and no contacts: colliders.
+    /// No inputs and no contacts: for colliders.
     Own,
-    /// Its own variables, parameters and modes: invariants.
+    /// Its own variables, parameters and modes: for invariants.
     State,
-    /// Variables and parameters: clamps.
+    /// Variables and parameters: for clamps.
     Values,
-    /// Parameters: initial choices.
+    /// Parameters: for initial choices.
     Params,
 }
 
 pub const NAMES: [(&str, &str); 3] = [("A", "a"), ("B", "b"), ("C", "c")];
 
-/// Speeds of many walls in a step.
+/// Velocities of many walls per step.
 pub const DASHES: &[&str] = &["60000", "-60000", "4800", "-4800", "30000", "-12000"];
 
 /// The text of a program.
@@ -240,7 +240,7 @@ impl Generator<'_> {
         &self.plans[self.me]
     }
 
-    /// What others are called.
+    /// Names of others.
     pub fn any_plan(&mut self) -> usize {
         self.draw.pick(self.plans.len())
     }
@@ -308,7 +308,7 @@ impl Generator<'_> {
         for (plan, body) in self.plans.iter().zip(entities) {
             out.push_str(&format!("entity {} {{\n", plan.name));
             for (word, member) in members {
-                // What is read of others, and what a spawn or a place sets.
+                // Parameters that others read, or that a spawn or a place sets.
                 let also = !matches!(word, "jump" | "horizontal") && uses(&all, word);
                 let run = word == "jump" && uses(body, "run") || word == "horizontal" && uses(body, "vertical");
                 if uses(body, word) || also || run {

@@ -1,4 +1,4 @@
-//! Many worlds, one after the other: the first claim of each that is refuted, cut down to a few lines.
+//! Tests many worlds in turn: the first refuted claim of each, reduced to a few lines.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -19,21 +19,21 @@ use super::witness::{denied, with_goal};
 
 /// The length of a run.
 const STEPS: usize = 240;
-/// Runs of a world; of one without inputs all are alike.
+/// Number of runs of a world; without inputs, all are equal.
 const RUNS: u64 = 3;
-/// One of so many worlds is run exhaustively, up to so many states.
+/// One in this many worlds is run exhaustively, up to this number of states.
 const EXHAUSTED: (u64, usize) = (4, 300);
-/// Of what is given up little is claimed: a shorter look.
+/// Few claims are made about a world that is given up: fewer runs.
 const STEPS_IF_GIVEN_UP: usize = 60;
-/// So many worlds of each class of violations are cut down.
+/// Number of worlds of each class of violations that are reduced.
 const SHRUNK: usize = 2;
-/// How often progress is told, in worlds.
+/// Number of worlds between two reports of progress.
 const TELL_EVERY: u64 = 10_000;
 
-/// Where worlds come from.
+/// The source of worlds.
 pub enum Source {
     Drawn,
-    /// Changed from these.
+    /// Mutations of these.
     Changed(Vec<String>),
 }
 
@@ -46,25 +46,25 @@ impl Source {
     }
 }
 
-/// What came of many worlds.
+/// The results of many worlds.
 #[derive(Debug, Default)]
 pub struct Hunt {
     pub worlds: u64,
     pub compiled: u64,
-    /// Worlds of which something was claimed beside what their variables can be.
+    /// Worlds with claims other than values of variables.
     pub claims: usize,
     pub states: usize,
-    /// Worlds that take too long to look at.
+    /// Worlds whose analysis takes too long.
     pub given_up: u64,
-    /// Worlds with a player who is told apart by place.
+    /// Worlds with a player that is distinguished by place.
     pub by_place: u64,
-    /// Of each class of violations, how many worlds.
+    /// Number of worlds of each class of violations.
     pub classes: BTreeMap<String, usize>,
-    /// Small programs, with what is wrong about them.
+    /// Reduced programs, with their violations.
     pub reports: Vec<String>,
 }
 
-/// Looks at the worlds with some numbers.
+/// Tests the worlds with some numbers.
 pub fn hunt(source: &Source, seeds: std::ops::Range<u64>) -> Hunt {
     let mut out = Hunt::default();
     for seed in seeds {
@@ -88,7 +88,7 @@ pub fn hunt(source: &Source, seeds: std::ops::Range<u64>) -> Hunt {
     out
 }
 
-/// The claim of a world that is refuted, and the text: with one more goal, if that is what was ruled out.
+/// The refuted claim of a world, and the text: with one more goal, if a predicate was ruled out.
 fn of_world(text: &str, seed: u64, out: &mut Hunt) -> Option<(String, Refuted)> {
     let looked = look(text, seed);
     out.compiled += u64::from(looked.is_compiled);
@@ -102,12 +102,12 @@ fn of_world(text: &str, seed: u64, out: &mut Hunt) -> Option<(String, Refuted)> 
     Some(again.map_or_else(|| (text.to_string(), refuted), |(refuted, more)| (more, refuted)))
 }
 
-/// The claim of a world that is refuted.
+/// The refuted claim of a world.
 pub fn refuted_by(text: &str, seed: u64) -> Option<Refuted> {
     look(text, seed).refuted
 }
 
-/// What came of a world.
+/// The result of a world.
 #[derive(Default)]
 struct Look {
     is_compiled: bool,
@@ -116,11 +116,11 @@ struct Look {
     claims: usize,
     states: usize,
     refuted: Option<Refuted>,
-    /// What holds in a state that was reached, although it is ruled out.
+    /// A predicate that holds in a reached state, although it is ruled out.
     witness: Option<String>,
 }
 
-/// Runs a world; that nothing panics is claimed as well.
+/// Runs a world; a panic is a violation, too.
 fn look(text: &str, seed: u64) -> Look {
     catch_unwind(AssertUnwindSafe(|| look_or_panic(text, seed))).unwrap_or_else(|what| {
         let said = what.downcast_ref::<&str>().map(|s| (*s).to_string());
@@ -173,7 +173,7 @@ fn look_or_panic(text: &str, seed: u64) -> Look {
     out
 }
 
-/// Mistakes that show in the same way, and as early, are most often the same.
+/// Violations of the same kind, after as few steps, usually have the same cause.
 fn class_of(refuted: &Refuted) -> String {
     let when = match refuted.script.len() {
         0 => " at the start",
@@ -183,7 +183,7 @@ fn class_of(refuted: &Refuted) -> String {
     format!("{}{when}", refuted.violation.class)
 }
 
-/// A program, with what is wrong about it.
+/// A program with its violation.
 fn report(text: &str, seed: u64, refuted: &Refuted) -> String {
     let Violation { class, what } = &refuted.violation;
     format!("// {class}: {what}\n// world {seed}; inputs: {}\n{text}", refuted.inputs)

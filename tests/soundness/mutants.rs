@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use super::mutate::{Kind, mutant};
 use crate::support::files;
 
-/// The programs to change: those of which something false was said once, and those with a comment on each verdict.
+/// The programs to mutate: those that once had a false verdict, and those with a comment on each verdict.
 pub fn originals() -> Vec<String> {
     let is_whole = |path: &Path| path.parent() != Some(Path::new("tests/verdicts/parts"));
     let all = ["tests/analysis/found", "tests/verdicts"].into_iter().flat_map(|folder| files(folder, "hyped"));
@@ -41,7 +41,7 @@ pub fn changed(originals: &[String], rng: &mut Pcg64) -> String {
             5 => response(&text, rng),
             6 => cell(&text, rng),
             7 => side(&text, rng),
-            // A map without an end is not read.
+            // A map without an end is not parsed.
             _ if text.matches('"').count() % 2 == 1 => None,
             _ => KINDS.choose(rng).and_then(|kind| mutant(&text, *kind, rng)).map(|m| m.text),
         };
@@ -50,7 +50,7 @@ pub fn changed(originals: &[String], rng: &mut Pcg64) -> String {
     text
 }
 
-/// Another number, near to it or of those that often matter.
+/// Another number, near it or one of the critical ones.
 fn number(text: &str, rng: &mut Pcg64) -> Option<String> {
     let bytes = text.as_bytes();
     let is_part = |c: u8| c.is_ascii_digit() || c == b'.';

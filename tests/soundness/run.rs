@@ -23,7 +23,7 @@ pub struct Refuted {
 pub struct Runs {
     pub refuted: Option<Refuted>,
     pub states: usize,
-    /// Reached states, drawn at random.
+    /// Reached states, sampled.
     pub samples: Vec<Vec<u8>>,
 }
 
@@ -62,7 +62,7 @@ impl Inputs {
     }
 }
 
-/// Whether any player gives inputs that anything reads; all runs are the same otherwise.
+/// Whether anything reads a player's inputs; otherwise, all runs are equal.
 pub fn has_inputs(sim: &Simulator) -> bool {
     let entities = sim.world().players.iter().map(|p| &sim.program().entities[sim.world().slots[p.slot].entity]);
     entities.into_iter().any(|e| !e.buttons.is_empty() || !e.axes.is_empty())
@@ -70,7 +70,7 @@ pub fn has_inputs(sim: &Simulator) -> bool {
 
 /// Steps in which nothing changes, after which a run without inputs ends, and one with inputs if that lasts longer.
 const STILL: [u32; 2] = [2, 60];
-/// Steps that a run goes on after a player has left its bounds.
+/// Number of steps that a run continues after a player has left its bounds.
 const BEYOND: u32 = 60;
 
 /// Runs a world for some steps from its beginning; ends at the first claim that is refuted.
@@ -141,20 +141,20 @@ fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
     Some(all)
 }
 
-/// Steps that an exhaustive run takes in all.
+/// Maximum number of steps of an exhaustive run.
 const MAX_STEPS: usize = 2_500;
 
 /// Runs a world with all inputs there are, each held for some steps, breadth first, up to a number of states.
 pub fn exhaust(sim: &Simulator, claims: &Claims, most: usize, hold: u32, runs: &mut Runs) {
     let mut scratch = sim.scratch();
     let (Some(inputs), Ok(start)) = (all_inputs(sim), sim.initial(&mut scratch)) else { return };
-    // With a single input there is only one run.
+    // With a single input, there is only one run.
     if inputs.len() < 2 {
         return;
     }
     let until = runs.states + MAX_STEPS;
     let mut known: HashSet<Vec<u8>> = HashSet::new();
-    // Each with where it comes from: a state's number and an input's.
+    // Each with its origin: the numbers of a state and of an input.
     let mut open: Vec<(Vec<u8>, bool, usize, usize)> = vec![(start.to_vec(), true, 0, 0)];
     let mut at = 0;
     while at < open.len() && open.len() < most && runs.states < until {

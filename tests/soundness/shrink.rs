@@ -1,7 +1,7 @@
 //! Shrinks a failing program by its text: removes lines and blocks, removes parts of lines, replaces expressions by
 //! numbers, while it compiles and still fails.
 
-/// The shortest text that it finds for which `fails` holds.
+/// The shortest text found for which `fails` holds.
 pub fn shrunk(text: &str, fails: &mut dyn FnMut(&str) -> bool) -> String {
     let mut best = spread(text);
     if !fails(&best) {
@@ -115,7 +115,7 @@ fn drop_lines(best: &mut String, fails: &mut dyn FnMut(&str) -> bool) {
     }
 }
 
-/// Parts of lines that can go or become simpler, one after the other.
+/// Removes or simplifies parts of lines, one after the other.
 fn replace_parts(best: &mut String, fails: &mut dyn FnMut(&str) -> bool) {
     let mut at = 0;
     loop {
@@ -138,7 +138,7 @@ fn replace_parts(best: &mut String, fails: &mut dyn FnMut(&str) -> bool) {
     }
 }
 
-/// Simpler lines than this one, each of less weight, so that this ends.
+/// Simpler versions of a line, each of less weight, so that shrinking ends.
 fn simpler(line: &str) -> Vec<String> {
     let mut out = Vec::new();
     let mut add = |from: usize, to: usize, with: &str| {
@@ -154,7 +154,7 @@ fn simpler(line: &str) -> Vec<String> {
             add(from, start + word.len(), "");
         }
     }
-    // Brackets: their content alone, one argument alone, a number, nothing.
+    // Brackets: only their content, only one argument, a number, nothing.
     let brackets = brackets(line);
     for &(name, open, close) in &brackets {
         let arguments = arguments(line, open, close);
@@ -177,7 +177,7 @@ fn simpler(line: &str) -> Vec<String> {
             }
         }
     }
-    // The right side of what is set.
+    // The right side of an update.
     for sign in [" := ", " = ", ": "] {
         if let Some(start) = line.find(sign) {
             let value = &line[start + sign.len()..];
@@ -261,7 +261,7 @@ fn simpler(line: &str) -> Vec<String> {
     out
 }
 
-/// From where the operand before an operator begins to where the one after it ends, on its level of brackets.
+/// From the start of the operand before an operator to the end of the one after it, at its level of brackets.
 fn operand_ends(line: &str, left: usize, right: usize) -> (usize, usize) {
     let bytes = line.as_bytes();
     let mut depth = 0;
@@ -321,7 +321,7 @@ fn operand_ends(line: &str, left: usize, right: usize) -> (usize, usize) {
     (from, to)
 }
 
-/// Brackets with the word before them: where the word, the opening and the closing one are.
+/// Brackets with the word before them: the positions of the word and of both brackets.
 fn brackets(line: &str) -> Vec<(usize, usize, usize)> {
     let bytes = line.as_bytes();
     let mut open = Vec::new();

@@ -9,23 +9,23 @@ use crate::support::draw::Draw;
 /// The subject of a world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Situation {
-    /// Who touches something is put elsewhere, and moves on as if it still touched it.
+    /// An instance that touches something is moved away, and continues as if it still touched it.
     Stale,
-    /// Others read what something is while it ends.
+    /// Others read an instance while it is destroyed.
     Dying,
-    /// Something that never moves is there in some modes and away in others.
+    /// An instance that never moves is present in some modes and absent in others.
     Door,
-    /// Things that ride on what moves, or on others that do.
+    /// Riders on a moving instance, or on other riders.
     Lift,
-    /// A body of several sizes among walls that leave it little room.
+    /// A body of several sizes between narrow walls.
     Growing,
     /// Walls, bodies and steps of about the same size.
     Thin,
-    /// A jump that updates change, and a ledge of about its height.
+    /// A jump that updates change, and a ledge of similar height.
     Jump,
     /// Rooms apart from each other, and links into them.
     Rooms,
-    /// A body that moves along one axis, and the edge of a block that it all but misses.
+    /// A body that moves along one axis, and the edge of a block that it almost misses.
     Graze,
 }
 
@@ -46,7 +46,7 @@ impl Situation {
         draw.chance(35).then(|| Situation::ALL[draw.pick(Situation::ALL.len())])
     }
 
-    /// What such a world may use beside what it is about.
+    /// Other features that such a world can use.
     pub fn palette(self, mut palette: Palette) -> Palette {
         palette.extremes = false;
         palette.inputs = true;
@@ -55,7 +55,7 @@ impl Situation {
         palette
     }
 
-    /// The entities: one with a player, and those that it meets.
+    /// The entities: the player's, and those that it touches.
     pub fn plans(self, draw: &mut Draw<'_>) -> Vec<Plan> {
         let modes: &[&[&str]] = match self {
             Situation::Stale | Situation::Growing | Situation::Jump => &[&["m00", "m01"]],
@@ -82,7 +82,7 @@ const TIMES: [&str; 6] = ["0.5", "0.2", "1", "3frames", "1frames", "0.1"];
 
 /// The contents of a world of a situation.
 struct Stage {
-    /// Inside of its walls, px.
+    /// The inside of its walls, px.
     width: f64,
     height: f64,
     thick: f64,
@@ -92,7 +92,7 @@ struct Stage {
 }
 
 impl Generator<'_> {
-    /// A length from one to another, in steps of 8 px, and now and then a little off.
+    /// A length in a range, in steps of 8 px, sometimes slightly changed.
     fn length(&mut self, low: f64, high: f64) -> f64 {
         let by = [0.0, 0.0, 0.0, 1.0, -0.5, 3.0, -1.5, 0.5][self.draw.pick(8)];
         low + 8.0 * self.draw.pick(((high - low) / 8.0) as usize + 1) as f64 + by
@@ -160,7 +160,7 @@ impl Generator<'_> {
                 self.put(&mut stage, 0, at, "");
             }
             _ => {
-                // The room is what is left below a ceiling, beside a step, or between two of them.
+                // The free part is below a ceiling, beside a step, or between two of them.
                 for _ in 0..self.draw.pick(3) {
                     let (x, wide) = (self.length(40.0, 72.0), self.length(16.0, 48.0));
                     let high = match about {
@@ -203,7 +203,7 @@ impl Generator<'_> {
             self.line(format!("player 1: p{place}"));
         }
         self.questions();
-        // Beyond what it stands on or leans against it never may be.
+        // It must never be beyond the obstacle on which it stands or against which it leans.
         if self.draw.chance(20) {
             let coordinate = self.draw.one(&["y", "y", "x"]);
             let beyond = self.axes.read("p0.", coordinate);
@@ -235,7 +235,7 @@ impl Generator<'_> {
         }
         let there = (x, 0.0);
         let before = match self.draw.chance(60) {
-            // It walks in while the door is away.
+            // It walks in while the door is absent.
             true => (x - self.arena.body[0] - [0.0, 1.0, 4.0, 8.0][self.draw.pick(4)], 0.0),
             false => (self.length(0.0, 16.0).max(0.0), 0.0),
         };
@@ -272,7 +272,7 @@ impl Generator<'_> {
             stage.collides.push(format!("a with c: {response}"));
             self.put(stage, 2, (x, y), "");
             if self.draw.chance(70) {
-                // What it is pressed against.
+                // The obstacle against which it is pressed.
                 stage.collides.push("c with wall: block".into());
                 let beyond = self.length(32.0, 72.0);
                 let wide = [16.0, 200.0][self.draw.pick(2)];
@@ -283,7 +283,7 @@ impl Generator<'_> {
         self.put(stage, 0, (x, y), "");
     }
 
-    /// Two rooms beside each other, and a space of its own with two more; links lead from the first one.
+    /// Two rooms side by side, and another space with two more; links lead from the first one.
     fn set_rooms(&mut self, stage: &mut Stage) -> String {
         let (width, height) = (stage.width, stage.height);
         let apart = width + 2.0 * stage.thick + [0.0, 40.0][self.draw.pick(2)];
@@ -295,7 +295,7 @@ impl Generator<'_> {
             let from = [self.length(24.0, 56.0), self.length(0.0, 16.0), 24.0, [30.0, 4.0][self.draw.pick(2)]];
             let room = if self.draw.chance(70) { apart } else { 0.0 };
             let size = [[24.0, 30.0], [24.0, 4.0], [1.0, 1.0], [40.0, 30.0]][self.draw.pick(4)];
-            // Now and then into a wall.
+            // Sometimes into a wall.
             let at = [room + self.length(-8.0, 40.0), self.length(-8.0, 24.0), size[0], size[1]];
             let to = if self.draw.chance(60) { "main" } else { "cellar" };
             links.push(format!("link rect{} -> {to} at rect{}", self.axes.rect(from), self.axes.rect(at)));
@@ -311,7 +311,7 @@ impl Generator<'_> {
         format!("space cellar {{\n{}\n}}", below.main.join("\n"))
     }
 
-    /// The members of an entity of a situation but for its declarations.
+    /// The members of an entity of a situation except its declarations.
     pub fn actor(&mut self, about: Situation) -> String {
         self.out.clear();
         self.group = None;
@@ -342,7 +342,7 @@ impl Generator<'_> {
                     _ => &["speed"],
                 };
                 let pace = self.draw.one(paces);
-                // What rides may do nothing by itself.
+                // A rider may do nothing by itself.
                 if about != Situation::Lift || self.draw.chance(60) {
                     self.walk(pace);
                 }
@@ -365,7 +365,7 @@ impl Generator<'_> {
         self.line(format!("collider a: rect({}, 0, {width}, {height})", self.axes.beside("0", &width)));
     }
 
-    /// Moves by the player's will, and mostly falls.
+    /// Moves by the player's inputs, and usually falls.
     fn walk(&mut self, pace: &str) {
         let speed = match self.draw.chance(30) {
             true => pace.to_string(),
@@ -433,7 +433,7 @@ impl Generator<'_> {
         self.line(format!("{still}\n{flow}\n{back}\n}}"));
     }
 
-    /// What is read while it ends.
+    /// An instance that is read while it is destroyed.
     fn mortal(&mut self) {
         let last = match self.draw.pick(5) {
             0 => "x := 500".to_string(),
@@ -471,7 +471,7 @@ impl Generator<'_> {
         self.line("}");
     }
 
-    /// Never moves; its colliders come and go.
+    /// Never moves; its colliders appear and disappear.
     fn door(&mut self) {
         let (width, height) =
             (self.draw.one(&["16", "8", "32", "48", "3"]), self.draw.one(&["48", "16", "32", "64", "8"]));
@@ -498,7 +498,7 @@ impl Generator<'_> {
         self.line(format!("mode m00 {{ when {there} -> m01 }}\nmode m01 {{\n{again}\n{ends}\n}}"));
     }
 
-    /// From one end to the other and back, or there once.
+    /// From one end to the other, once or back and forth.
     fn lift(&mut self) {
         let width = self.draw.one(&["48", "24", "16", "400"]);
         self.line(format!("kinematic collider b: rect({}, 0, {width}, 8)", self.axes.beside("0", width)));
@@ -531,7 +531,7 @@ impl Generator<'_> {
             extents.push(format!("rect({}, 0, {width}, {height}) when in {mode}", self.axes.beside(left, width)));
         }
         let bare = self.draw.pick(12);
-        // What shrinks once stays out of all walls.
+        // A collider that shrinks once stays outside of all walls.
         let is_once = self.draw.chance(35);
         if is_once && self.draw.chance(70) {
             extents[0] = format!("rect({}, 0, 24, 32) when in m00", self.axes.beside("-4", "24"));
@@ -545,7 +545,7 @@ impl Generator<'_> {
         let change = self.draw.one(&["pressed(jump)", "held(run)", "timer >= 0.5"]);
         let back = self.draw.one(&["released(jump)", "pressed(jump)", "timer >= 0.2s", ""]);
         let back = if back.is_empty() || is_once { String::new() } else { format!("when {back} -> m00") };
-        // Who waits as a lump is nowhere near to a wall as it changes.
+        // The lump is far from all walls when it changes.
         let rests = if is_once && self.draw.chance(60) { "x' = 0\ny' = 0\n" } else { "" };
         self.line(format!("mode m00 {{\n{rests}when {change} -> m01\n}}\nmode m01 {{ {back} }}"));
     }
@@ -558,7 +558,7 @@ impl Generator<'_> {
             self.line(format!("x' = {speed}"));
         }
         self.line(format!("y'' = {pull}"));
-        // Its energy is known once it has fallen for a step.
+        // Its energy is known after it has fallen for one step.
         self.line("mode m00 { when timer >= 1frames -> m01 }\nmode m01 {");
         self.leap("");
         let cut = self.draw.one(&[

@@ -41,7 +41,7 @@ impl Notes for Tally {
     }
 }
 
-/// A body's box, px, and whose it is.
+/// A body's box, px, and its slot.
 struct Body {
     slot: Option<SlotId>,
     is_kinematic: bool,
@@ -89,7 +89,7 @@ impl Tally {
             .collect()
     }
 
-    /// The events that there can be, each with its count.
+    /// All possible events, each with its count.
     pub fn events(&self) -> Vec<(String, usize)> {
         let events = self.events.borrow();
         let mut names: Vec<String> = EVENTS.iter().map(|e| (*e).to_string()).collect();
@@ -161,7 +161,7 @@ impl Tally {
             FaultKind::NotFinite(..) | FaultKind::Diverged(..) => "stops: not finite",
             FaultKind::DivisionByZero(..) => "stops: division by zero",
             FaultKind::OutOfRange(..) => "stops: out of range",
-            // The checker sees to it that this does not happen.
+            // The checker excludes this.
             FaultKind::ReadNone(_) => panic!("a run reads none"),
         });
     }
@@ -177,9 +177,9 @@ impl Tally {
         Eye { program: sim.program(), world: sim.world(), state, input, me, taken, notes: self }
     }
 
-    /// Notes steps that are longer than rooms are wide, and what is done in a room that one has come to by a link.
+    /// Records steps longer than the width of rooms, and events in a room that was entered by a link.
     fn watch_rooms(&self, sim: &Simulator, before: &[u8], after: &[u8], slot: SlotId) {
-        /// More than one room of the suite is wide, px.
+        /// More than the width of a room of the suite, px.
         const FAR: f64 = 400.0;
         let (world, layout) = (sim.world(), &sim.world().layout.slots[slot]);
         if !layout.alive(before) || !layout.alive(after) {
@@ -212,7 +212,7 @@ impl Tally {
         }
     }
 
-    /// Notes what a world is made of, as far as that is no construct of the language.
+    /// Records properties of a world that are no construct of the language.
     pub fn survey(&self, sim: &Simulator, is_by_place: bool) {
         if is_by_place {
             self.note("a player is told apart by place");
@@ -418,7 +418,7 @@ impl Tally {
         });
     }
 
-    /// Notes which colliders meet, and how; seen from where they are after the step.
+    /// Records which colliders touch, and how, from their positions after the step.
     fn watch_contacts(&self, sim: &Simulator, state: &[u8], input: &Input) {
         let (program, world) = (sim.program(), sim.world());
         for space in world.spaces.ids() {
@@ -539,7 +539,7 @@ impl Tally {
     }
 }
 
-/// What happens without a truth value.
+/// Events without a truth value.
 const EVENTS: &[&str] = &[
     "own parameter",
     "parameter of another",
@@ -654,7 +654,7 @@ const EVENTS: &[&str] = &[
     "stops: out of range",
 ];
 
-/// What turns out one way or the other.
+/// Events with a truth value.
 const ATOMS: &[&str] = &[
     "<",
     "<=",

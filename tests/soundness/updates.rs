@@ -3,7 +3,7 @@
 use super::generate::{Dim, Generator, NAMES};
 
 impl Generator<'_> {
-    /// Updates of different places; `named` is what the guard names, and of which entity it is, if that is known.
+    /// Updates of different places; `named` is the instance that the guard names, with its entity if it is known.
     pub fn updates(&mut self, named: Option<Option<usize>>, most: usize) -> String {
         let mut list: Vec<String> = Vec::new();
         let mut used: Vec<String> = Vec::new();
@@ -17,7 +17,7 @@ impl Generator<'_> {
         if list.is_empty() { String::new() } else { format!("{{ {} }}", list.join("; ")) }
     }
 
-    /// An update, and the place that it is of.
+    /// An update, and its place.
     fn update(&mut self, named: Option<Option<usize>>) -> (String, String) {
         let places = [
             "count", "x'", "y'", "x", "y", "flag", "colour", "q", "q'", "heat", "y''", "friend", "foe", "spawn",
@@ -40,7 +40,7 @@ impl Generator<'_> {
         if !is_on(place) {
             place = self.draw.one(&["count", "flag", "colour"]);
         }
-        // What is named is worth something.
+        // A named instance is worth using.
         if named.is_some() && self.draw.chance(30) {
             place = self.draw.one(&["friend", "destroy"]);
         }
@@ -130,7 +130,7 @@ impl Generator<'_> {
             given.push(format!("speed = {value}"));
         }
         if self.draw.chance(15) {
-            // Around, from one to the next.
+            // In a cycle, from one to the next.
             given.retain(|g| !g.starts_with("speed"));
             given.push("speed = -turn".into());
             given.push("turn = speed".into());

@@ -13,17 +13,17 @@ use std::sync::Arc;
 use super::eye::{Eye, Nobody};
 use super::frame::number;
 
-/// Predicates that are made of each world.
+/// Number of predicates per world.
 const PREDICATES: usize = 8;
 
-/// What is false of a predicate.
+/// A false claim about a predicate.
 pub struct Denied {
     pub what: String,
-    /// The predicate as text, or its opposite, so that it holds; none if there is no text for it.
+    /// The predicate as text, or its negation, so that it holds; none if it has no text.
     pub holds: Option<String>,
 }
 
-/// The first predicate that turns out as it never does in one of some states.
+/// The first predicate whose truth value in one of some states is claimed to be impossible.
 pub fn denied(
     program: &Arc<Program>,
     world: WorldId,
@@ -63,7 +63,7 @@ pub fn denied(
     None
 }
 
-/// A predicate, and those that it is made of. What is read of an instance is read only if there is one.
+/// A predicate and its parts. An instance is read only if there is one.
 fn questions(program: &Program, id: ExprId, out: &mut Vec<Part>) {
     fn is_guard(program: &Program, id: ExprId) -> bool {
         match program.exprs[id] {
@@ -109,7 +109,7 @@ impl Maker<'_> {
         (!of.is_empty()).then(|| of[self.rng.random_range(0..of.len())].clone())
     }
 
-    /// Some things together that hold in one of some states.
+    /// A conjunction that holds in one of some states.
     fn predicate(&mut self, states: &[Vec<u8>]) -> Option<Part> {
         let state = &states[self.rng.random_range(0..states.len())];
         let count = self.rng.random_range(1..4);
@@ -121,7 +121,7 @@ impl Maker<'_> {
         parts.into_iter().reduce(|a, b| and(self, a, b))
     }
 
-    /// Something that holds in a state.
+    /// An atom that holds in a state.
     fn part(&mut self, state: &[u8]) -> Option<Part> {
         let world = self.world;
         let slots: Vec<SlotId> = world.slots.ids().filter(|s| world.layout.slots[*s].alive(state)).collect();
@@ -133,7 +133,7 @@ impl Maker<'_> {
                 let (atom, text) = self.atom(state, slot, &[slot], &s.name)?;
                 Some((atom, text))
             }
-            // Others have no name of their own.
+            // Others have no name.
             false => {
                 let name = format!("any {}", self.program.entities[s.entity].name);
                 self.atom(state, slot, &all, &name)
@@ -141,7 +141,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The atom of one of some slots: that of any of them which is alive.
+    /// The atom of one of some slots: of any of them that is alive.
     fn of_any(&mut self, slots: &[SlotId], atom: impl Fn(&mut Self, Subject) -> Expr) -> Option<ExprId> {
         let mut some: Vec<ExprId> = Vec::new();
         for slot in slots {

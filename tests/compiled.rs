@@ -239,7 +239,7 @@ fn deep(levels: usize) -> Program {
     program
 }
 
-/// A thread has a stack of 2 MiB where nobody asks for more.
+/// A thread has a stack of 2 MiB by default.
 #[test]
 fn what_is_nested_as_deep_as_can_be_is_read_on_a_small_stack() {
     let program = (0..).map(deep).step_by(64).take_while(|program| verify(program).is_ok()).last().unwrap();

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-/// A walker who can step and jump; its level is given later.
+/// A walker that can step and jump; its level is given later.
 const GAME: &str = "entity Walker {
     button right, jump
     collider body: rect(0, 0, 12, 15)

@@ -11,7 +11,7 @@
 //! The sessions of a page run one after the other in a folder of their own that begins with a copy of `examples/`. A
 //! picture `NAME.svg` that they leave there is `docs/pictures/NAME.svg`.
 //!
-//! `UPDATE=1 cargo test --test language docs` writes outputs and pictures anew.
+//! `UPDATE=1 cargo test --test language docs` rewrites outputs and pictures.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

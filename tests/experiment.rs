@@ -93,7 +93,7 @@ fn runs_are_the_same_for_one_and_two_threads_in_the_same_order() {
         assert_eq!(cells[7], ["1", "2"][index % 2], "{line}");
         assert!(cells[9].parse::<u64>().unwrap() <= 300, "{line}");
         assert!(cells[13].parse::<f64>().unwrap() < 600.0, "{line}");
-        // A way is told if there is one.
+        // A path is reported if there is one.
         assert_eq!(cells[8] == "reached", cells[14].parse::<u64>().is_ok(), "{line}");
         assert_eq!(cells[15].len(), 64, "{line}");
         assert_eq!(cells[16], env!("CARGO_PKG_VERSION"), "{line}");

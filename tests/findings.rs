@@ -105,7 +105,7 @@ fn parts(program: &Program, id: ExprId) -> Vec<ExprId> {
     out
 }
 
-/// Runs a world at random; `visit` sees every state, and says whether to go on from it.
+/// Runs a world at random; `visit` receives every state, and returns whether to continue from it.
 fn run(program: &Arc<Program>, id: WorldId, seed: u64, mut visit: impl FnMut(&Simulator, &[u8]) -> bool) {
     let sim = Simulator::new(program, id);
     let mut scratch = sim.scratch();
@@ -517,7 +517,7 @@ fn checked(text: &str) -> String {
     render::human(&compiled.sources, compiled.diagnostics.iter(), false)
 }
 
-/// An entity with so many groups that its combinations of modes are not told apart.
+/// An entity with so many groups that its combinations of modes are not distinguished.
 fn tangled(inside: &str) -> String {
     let groups: String = (1..12)
         .map(|i| {
@@ -546,7 +546,7 @@ fn an_invariant_of_which_nothing_is_known_is_not_proven() {
     assert!(found.contains("E0701"), "{found}");
     let found = checked(plain);
     assert!(found.contains("W0703") && found.contains("no world has a `Hero`"), "{found}");
-    // One world is proven; the other is not looked at.
+    // One world is proven; the other one is not analysed.
     let still = "entity Hero { invariant x <= 40 }";
     let found = checked(&format!("{still} {world} {}", open.replace("world W", "world V")));
     assert!(found.contains("W0703"), "{found}");

@@ -263,7 +263,7 @@ fn too_little_time_is_proven_at_once() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
-    /// Whatever a player does, it gets no farther than was said.
+    /// Whatever a player does, it gets no farther than the bound.
     #[test]
     fn no_player_gets_farther_than_it_can(
         which in any::<prop::sample::Index>(),
@@ -444,7 +444,7 @@ fn a_goal_on_the_way_is_no_farther_than_there() {
             let found = goals(&[&["--planner", "rrt"], more].concat());
             assert!(found[0].0 < found[1].0, "{found:?}");
         }
-        // Each alone may be longer than what the other one passes; what is not found at all is found by the other.
+        // Each path alone can be longer than the other one's passage; a goal that is not found is found by the other.
         let found = goals(&["--seed", seed, "--never", "far_right", "--goal", "near_by", "--goal", "far"]);
         assert!(found.iter().all(|(_, shortest)| *shortest == Some(false)), "{found:?}");
         assert!(found[0].0 < found[1].0 && found[1].0 < found[2].0, "{found:?}");

@@ -266,7 +266,7 @@ fn samples_are_drawn_from_what_can_be() {
     let space = configuration_space(&program, WORLD);
     let metric = Metric::new(&sim, &space, Sampling::Reduced);
     let naive = Metric::new(&sim, &space, Sampling::Naive);
-    // The height of a platform and its speed, which its mode tells, are no coordinates.
+    // The height of a platform and its speed, which follow from its mode, are no coordinates.
     let brown = SlotId(1);
     let of_brown =
         metric.coordinates().iter().filter(|c| matches!(c.quantity, Quantity::Var(slot, ..) if slot == brown));

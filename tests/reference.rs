@@ -101,7 +101,7 @@ fn whole(block: &Block, all: &[Block]) -> String {
         let lines: Vec<&str> = wrapper.text.lines().collect();
         text = wrap(&lines, &text);
     }
-    // What must hold at the end is a goal of the world, which stands last.
+    // The condition at the end is a goal of the world, which comes last.
     let ends: Vec<String> =
         block.all("ends").enumerate().map(|(i, predicate)| format!("goal claim_{i}: {predicate}\n")).collect();
     if ends.is_empty() {
@@ -297,7 +297,7 @@ fn every_word_of_the_grammar_is_in_an_example() {
     assert!(missing.is_empty(), "no example shows {missing:?}");
 }
 
-/// The table of codes is that of the catalogue: `UPDATE=1 cargo test --test language reference` writes it anew.
+/// The table of codes is that of the catalogue: `UPDATE=1 cargo test --test language reference` rewrites it.
 #[test]
 fn every_code_is_listed_and_no_other() {
     const TABLE: &str = "\n| code | meaning |\n|---|---|\n";

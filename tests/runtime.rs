@@ -1,4 +1,4 @@
-//! What a compiled program does: steps, states, traces, what is drawn of them, and what memory they take.
+//! The behaviour of a compiled program: steps, states, traces, pictures, memory.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

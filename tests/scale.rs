@@ -32,7 +32,7 @@ fn every_shape_gets_an_answer() {
     }
 }
 
-/// The codes of what is found in a text.
+/// The codes of the findings in a text.
 fn codes(text: &str) -> Vec<&'static str> {
     compile_text(text).diagnostics.iter().map(|d| d.code.text()).collect()
 }
@@ -117,7 +117,7 @@ fn programs_of_too_many_entities_or_worlds_are_refused_once() {
     };
     assert_eq!(errors(&entities(10_000)), []);
     assert_eq!(errors(&worlds(10_000)), []);
-    // The first one too many is told; nothing is said of its body, nor of who uses those beyond.
+    // Only the first one too many is reported; its body and its uses are not.
     let user = "world W { space main { place a: A10001 at (0, 0) } }\n";
     let many = format!("{user}{}entity B {{ x' = z }}\nentity A10001 {{ x' = z }}\n", entities(10_000));
     let at = many.find("B {").unwrap();

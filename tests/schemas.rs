@@ -1,6 +1,6 @@
 //! The JSON Schemas in `docs/schemas`: they are those of the code, and what the commands write is as they say.
 //!
-//! `UPDATE=1 cargo test --test language schemas` writes them anew.
+//! `UPDATE=1 cargo test --test language schemas` rewrites them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

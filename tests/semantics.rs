@@ -358,7 +358,7 @@ fn of_two_equal_depths_the_vertical_one_counts() {
 
 #[test]
 fn a_face_that_a_neighbour_covers_pushes_nobody() {
-    // Into the seam of a wall of two tiles: of the lower one it is nearer to the top, where the upper one stands.
+    // Into the seam of a wall of two tiles: of the lower one it is nearer to the top, where the upper one is.
     let p = level(BALL, "collide body with wall: block", "#..\n#..", "place a: Ball at (11, 9) { vx = -30; vy = 0 }");
     let mut run = Run::new(&p);
     run.step("-");

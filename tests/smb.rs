@@ -90,7 +90,7 @@ fn he_moves_as_fast_and_jumps_as_high_as_in_the_game() {
     {
         assert!((rise(inputs) - height).abs() <= 3.0, "{inputs}: {} px", rise(inputs));
     }
-    // Letting go early makes it lower; nobody falls faster than 240.
+    // Letting go early makes it lower; the maximum speed of a fall is 240.
     assert!(rise("-*9 jump*8 -*60") < 45.0);
     let slowest = run(&program, "-*9 jump*90").iter().map(|(_, v, ..)| v[1]).fold(0.0, f64::min);
     assert!((-240.0..-200.0).contains(&slowest), "{slowest}");

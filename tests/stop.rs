@@ -220,7 +220,7 @@ fn a_search_among_thousands_ends_soon_after_it_is_told() {
 
 #[test]
 fn what_is_met_is_asked_of_by_work_done() {
-    // Each has a parameter of its own, so that all of them are looked at.
+    // Each has its own parameter, so all of them are analysed.
     let places: String = (0..700).map(|i| format!("place b{i}: Ball at ({i}, 0) {{ speed = {i} }}\n")).collect();
     let p = program(compile_text(&format!(
         "entity Ball {{ param speed = 1; collider ball: rect(0, 0, 16, 16); mode a {{ x' = speed }} }}

@@ -22,7 +22,7 @@ const COIN: &str = "mode there { when touching(coin, body) -> gone } mode gone {
 const THREE: &str = "place a: Coin at (50, 50); place b: Coin at (90, 10); place c: Coin at (10, 80)";
 const TAKES: &str = "when touching(body, coin) { coins := min(coins + 1, 9) }";
 
-/// A world with a hero who goes anywhere in a square.
+/// A world with a hero that can go anywhere in a square.
 fn world(coin: &str, others: &str, hero: &str, placed: &str) -> String {
     let on = if coin.contains("mode there") { "when in there" } else { "" };
     let coin = format!("entity Coin {{ collider coin: rect(0, 0, 8, 8) {on}\n{coin} }}");

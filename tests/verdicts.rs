@@ -385,7 +385,7 @@ fn threads_change_nothing() {
     });
 }
 
-/// A search goes on from where a part of a way leads, or from several such places.
+/// A search continues from the end of a part of a path, or from several such states.
 #[test]
 fn ways_go_on_from_where_a_script_leads() {
     let found = every_question(|question| {

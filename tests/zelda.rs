@@ -65,7 +65,7 @@ fn rooms_and_doors_are_those_of_the_game() {
         for link in &space.links {
             let back = world.spaces[link.space].links.iter().any(|l| l.space == id);
             assert!(back, "{} leads to {}, which does not lead back", space.name, world.spaces[link.space].name);
-            // A player who comes out does not go back at once.
+            // A player that comes out does not go back at once.
             let (x, y) = (link.to.left.max(16.0), link.to.bottom.max(16.0));
             for other in &world.spaces[link.space].links {
                 let across = other.from.left < link.to.right && link.to.left < other.from.right;

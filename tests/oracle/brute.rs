@@ -267,7 +267,7 @@ fn note(oracle: &Oracle<'_>, term: &Term, times: &mut BTreeMap<ModeId, Option<f6
     true
 }
 
-/// Visits a term and, where the visitor says so, what it is made of.
+/// Visits a term and, if the visitor returns true, its parts.
 fn walk(term: &Term, visit: &mut dyn FnMut(&Term) -> bool) {
     if !visit(term) {
         return;

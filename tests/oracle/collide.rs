@@ -429,7 +429,7 @@ impl Oracle<'_> {
     }
 }
 
-/// Whether two shapes meet of which at least one is a disc.
+/// Whether two shapes touch of which at least one is a circle.
 fn shapes_meet(one: &Body, two: &Body) -> bool {
     match (one.disc, two.disc) {
         (Some((x, y, r)), Some((ox, oy, or))) => (x - ox) * (x - ox) + (y - oy) * (y - oy) <= (r + or) * (r + or),

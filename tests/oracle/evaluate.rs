@@ -51,7 +51,7 @@ impl<'a> Code<'a> {
         Ok(self.value(term)? != 0.0)
     }
 
-    /// The instance that a term stands for.
+    /// The instance to which a term refers.
     pub fn instance(&self, term: &Term) -> Option<usize> {
         match &term.kind {
             TermKind::Instance(of) => self.slot(*of),

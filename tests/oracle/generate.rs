@@ -83,7 +83,7 @@ impl Generator<'_> {
         self.out.push('\n');
     }
 
-    /// What is known now of who has which modes.
+    /// The current modes of all instances.
     fn names(&mut self) {
         let role = self.role;
         let prefix = ["a", "p", "u"][role as usize];
@@ -99,13 +99,13 @@ impl Generator<'_> {
         self.draw.one(&["16", "0", "8", "32", "24", "4", "48", "12", "40", "20", "2", "15", "6.5", "-8", "64"]).into()
     }
 
-    /// A speed of so many px a step.
+    /// A speed in px per step.
     fn speed(&mut self) -> String {
         let px = [4.0, -4.0, 8.0, 0.0, -8.0, 2.0, 1.0, 16.0, -16.0, 3.0, -2.0, 20.0, -5.0][self.draw.pick(13)];
         number(px * f64::from(self.step.1) / f64::from(self.step.0))
     }
 
-    /// An acceleration of so many px a step for each step.
+    /// An acceleration in px per step for each step.
     fn acceleration(&mut self) -> String {
         let px = [-1.0, -2.0, 1.0, -4.0, 0.0, 2.0, -0.5][self.draw.pick(7)];
         number(px * f64::from(self.step.1 * self.step.1) / f64::from(self.step.0 * self.step.0))

@@ -108,7 +108,7 @@ impl<'p> Oracle<'p> {
         steps * self.world.step.0 as f64 / self.world.step.1 as f64
     }
 
-    /// The player who controls a slot.
+    /// The player that controls a slot.
     pub fn player(&self, slot: usize) -> Option<usize> {
         self.world.players.iter().position(|p| p.slot.0 as usize == slot)
     }

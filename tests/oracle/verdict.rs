@@ -82,7 +82,7 @@ fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
 fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
     let space = configuration_space(program, world).by_place(program, world, &[], &Unwatched);
     for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
-        // A `never` is looked at out of bounds, too, of which the analysis says nothing.
+        // A `never` also counts outside of the bounds, about which the analysis claims nothing.
         let Target::Goal(goal) = target else { continue };
         let can_hold = space.can_hold(program, world, goal);
         match way {

@@ -36,11 +36,11 @@ pub struct StateStatus {
 }
 
 fn poll_limit() -> PollLimit {
-    PollLimit::new(MAX_LOOKS)
+    PollLimit::new(MAX_POLLS)
 }
 
-/// Maximum number of combinations of modes per world.
-const MAX_LOOKS: u32 = 250;
+/// Number of polls after which the analysis of a world is stopped.
+const MAX_POLLS: u32 = 250;
 
 fn findings_of(compilation: &Compilation, program: &Program) -> Option<(Diagnostics, Spaces)> {
     watched_findings(program, &compilation.sources, FileId(0), &compilation.diagnostics, &poll_limit())

@@ -23,7 +23,7 @@ const STEPS: usize = 240;
 const RUNS: u64 = 3;
 /// One in this many worlds is run exhaustively, up to this number of states.
 const EXHAUSTED: (u64, usize) = (4, 300);
-/// Few claims are made about a world that is given up: fewer runs.
+/// Few claims are made about a world that is given up: shorter runs.
 const STEPS_IF_GIVEN_UP: usize = 60;
 /// Number of worlds of each class of violations that are reduced.
 const SHRUNK: usize = 2;

@@ -46,7 +46,7 @@ pub fn compile_text(text: &str) -> Compilation {
     compile(Path::new("test.hyped"), &Text(text))
 }
 
-/// The program of a compilation, or what is wrong with it.
+/// The program of a compilation, or its findings.
 pub fn program(compilation: Compilation) -> Arc<Program> {
     let Compilation { sources, program, diagnostics } = compilation;
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))

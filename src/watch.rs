@@ -71,6 +71,7 @@ impl<'w> Meter<'w> {
     }
 
     /// Counts work that was or will be done; returns whether to stop.
+    #[inline]
     pub fn spend(&self, work: u64) -> bool {
         let since = self.since.get().saturating_add(work);
         if since < WORK_PER_POLL {

@@ -184,7 +184,10 @@ fn a_trace_of_another_program_is_told() {
     );
     place.write("same.hyped", &format!("entity Unused {{ }}\n{GAME}"));
     let (code, shown, _) = place.sim(&["same.hyped", "--replay", "a.jsonl"]);
-    assert!(code == 1 && shown.contains("another program") && shown.contains("all 16 steps are the same"), "{shown}");
+    assert!(
+        code == 1 && shown.contains("a different program") && shown.contains("all 16 steps are the same"),
+        "{shown}"
+    );
     // A level is part of what a trace depends on.
     let open = GAME.replace("space main {", "tiles own 8 x 8 { '.': empty }\n    space main { map level own\n   ");
     place.write("open.hyped", &open);
@@ -195,7 +198,7 @@ fn a_trace_of_another_program_is_told() {
     assert_eq!(place.sim(&["--replay", "b.csv"]).0, 0, "the header names the level");
     place.write("level.txt", ".......\n");
     let (code, shown, _) = place.sim(&["--replay", "b.csv"]);
-    assert!(code == 1 && shown.contains("made from another program or level"), "{shown}");
+    assert!(code == 1 && shown.contains("recorded with a different program or level"), "{shown}");
 }
 
 #[test]

@@ -374,7 +374,8 @@ fn threads_change_nothing() {
         for planner in [Planner::Auto, Planner::Rrt, Planner::Coverage] {
             let with = |threads| {
                 let settings = Settings { planner, trees: 4, threads, seed: 7, ..Settings::default() };
-                reach(&problem, &space, &settings, &limits(800), &Unwatched).unwrap()
+                let ask = if planner == Planner::Auto { reach } else { grow };
+                ask(&problem, &space, &settings, &limits(800), &Unwatched).unwrap()
             };
             let alone = with(1);
             assert_eq!(alone, with(3), "{} {}", question.what, planner.name());

@@ -87,7 +87,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
     let is_same = now.program_sha256 == old.program_sha256;
     if !is_same {
         let what = if now.level_sha256 == old.level_sha256 { "program" } else { "program or level" };
-        writeln!(out, "{}: made from another {what} than {}", path.display(), file.display())?;
+        writeln!(out, "{}: recorded with a different {what} than {}", path.display(), file.display())?;
         writeln!(
             out,
             "  SHA-256 of the trace  {}\n  SHA-256 now           {}",

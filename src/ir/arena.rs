@@ -50,6 +50,7 @@ impl<I: Id, T> Arena<I, T> {
     }
 
     /// The entry of an id, if it is of this table.
+    #[inline]
     pub fn get(&self, id: I) -> Option<&T> {
         match self.first.get(id.index()) {
             None => self.rest.get((id.index() / BLOCK).checked_sub(1)?)?.get(id.index() % BLOCK),
@@ -86,6 +87,7 @@ impl<I, T> Default for Arena<I, T> {
 
 impl<I: Id, T> Index<I> for Arena<I, T> {
     type Output = T;
+    #[inline]
     fn index(&self, id: I) -> &T {
         match self.first.get(id.index()) {
             Some(entry) => entry,

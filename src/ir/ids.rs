@@ -22,9 +22,11 @@ macro_rules! ids {
         pub struct $name(pub u32);
 
         impl Id for $name {
+            #[inline]
             fn from_index(index: usize) -> Self {
                 $name(index as u32)
             }
+            #[inline]
             fn index(self) -> usize {
                 self.0 as usize
             }
@@ -81,6 +83,7 @@ impl VarId {
     pub const XY: [VarId; 2] = [VarId::X, VarId::Y];
 
     /// Whether it is `x` or `y`.
+    #[inline]
     pub fn is_position(self) -> bool {
         self <= VarId::Y
     }
@@ -102,21 +105,25 @@ impl<I: Id + Ord> IdRange<I> {
     }
 
     /// Whether an id is one of them.
+    #[inline]
     pub fn contains(self, id: I) -> bool {
         self.from <= id && id < self.to
     }
 
     /// How many there are.
+    #[inline]
     pub fn len(self) -> usize {
         self.to.index().saturating_sub(self.from.index())
     }
 
     /// Whether there are none.
+    #[inline]
     pub fn is_empty(self) -> bool {
         self.to <= self.from
     }
 
     /// The ids in order.
+    #[inline]
     pub fn ids(self) -> impl DoubleEndedIterator<Item = I> + ExactSizeIterator {
         (self.from.index()..self.to.index().max(self.from.index())).map(I::from_index)
     }
@@ -169,36 +176,43 @@ impl<I: Id, T> IdVec<I, T> {
     }
 
     /// The number of entries.
+    #[inline]
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
     /// Whether there are none.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
     /// The entry of an id, if it is of this table.
+    #[inline]
     pub fn get(&self, id: I) -> Option<&T> {
         self.entries.get(id.index())
     }
 
     /// The entries in order.
+    #[inline]
     pub fn iter(&self) -> std::slice::Iter<'_, T> {
         self.entries.iter()
     }
 
     /// The entries in order, mutable.
+    #[inline]
     pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
         self.entries.iter_mut()
     }
 
     /// The ids in order.
+    #[inline]
     pub fn ids(&self) -> impl DoubleEndedIterator<Item = I> + ExactSizeIterator + use<I, T> {
         (0..self.entries.len()).map(I::from_index)
     }
 
     /// Ids and entries in order.
+    #[inline]
     pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + ExactSizeIterator {
         self.entries.iter().enumerate().map(|(i, e)| (I::from_index(i), e))
     }
@@ -239,12 +253,14 @@ impl<I: Id, T> FromIterator<T> for IdVec<I, T> {
 
 impl<I: Id, T> Index<I> for IdVec<I, T> {
     type Output = T;
+    #[inline]
     fn index(&self, id: I) -> &T {
         &self.entries[id.index()]
     }
 }
 
 impl<I: Id, T> IndexMut<I> for IdVec<I, T> {
+    #[inline]
     fn index_mut(&mut self, id: I) -> &mut T {
         &mut self.entries[id.index()]
     }

@@ -26,6 +26,7 @@ impl<I, T> RareVec<I, T> {
 // Operations that need no table if it is empty.
 impl<I: Id, T> RareVec<I, T> {
     /// The entries in order, mutable.
+    #[inline]
     pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
         self.0.as_deref_mut().map_or_else(Default::default, IdVec::iter_mut)
     }
@@ -40,12 +41,14 @@ impl<I: Id, T> RareVec<I, T> {
 
 impl<I: 'static, T: 'static> Deref for RareVec<I, T> {
     type Target = IdVec<I, T>;
+    #[inline]
     fn deref(&self) -> &IdVec<I, T> {
         self.0.as_deref().unwrap_or(Self::EMPTY)
     }
 }
 
 impl<I: 'static, T: 'static> DerefMut for RareVec<I, T> {
+    #[inline]
     fn deref_mut(&mut self) -> &mut IdVec<I, T> {
         self.0.get_or_insert_default()
     }

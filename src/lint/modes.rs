@@ -175,18 +175,17 @@ fn siblings(entity: &Entity, mode: ModeId) -> Vec<ModeId> {
 
 /// The possible initial modes of siblings: those marked `initial when`, and the default one.
 fn initial_modes(entity: &Entity, modes: &[ModeId]) -> Vec<ModeId> {
-    let plain = modes.iter().find(|m| entity.modes[**m].marked_initial).or(modes.first());
     let chosen = modes.iter().filter(|m| {
         let guard = entity.modes[**m].initial_when.as_ref();
         guard.is_some_and(|g| truth(entity, g) != Some(false))
     });
-    chosen.chain(plain).copied().collect()
+    chosen.copied().chain(entity.default_mode(modes)).collect()
 }
 
 /// The default initial mode among the siblings of a mode.
 fn first(entity: &Entity, mode: ModeId) -> Option<(String, Span)> {
     let beside = siblings(entity, mode);
-    let first = beside.iter().find(|m| entity.modes[**m].marked_initial).or(beside.first())?;
-    let name = &entity.modes[*first].name;
-    (*first != mode).then(|| (name.text.to_string(), name.span))
+    let first = entity.default_mode(&beside)?;
+    let name = &entity.modes[first].name;
+    (first != mode).then(|| (name.text.to_string(), name.span))
 }

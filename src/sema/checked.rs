@@ -232,6 +232,16 @@ pub struct Entity {
     pub order: Vec<GroupId>,
 }
 
+impl Entity {
+    /// The mode among siblings that is entered if no `initial when` chooses one: the one marked `initial`, else the first
+    /// that is entered without a condition, else the first.
+    pub fn default_mode(&self, siblings: &[ModeId]) -> Option<ModeId> {
+        let find = |is_default: fn(&Mode) -> bool| siblings.iter().copied().find(|mode| is_default(&self.modes[*mode]));
+        let marked = find(|mode| mode.marked_initial);
+        marked.or_else(|| find(|mode| mode.initial_when.is_none())).or(siblings.first().copied())
+    }
+}
+
 /// A reference to another instance.
 #[derive(Debug, Clone)]
 pub struct Reference {

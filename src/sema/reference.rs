@@ -316,9 +316,8 @@ fn may_enter(entity: &Entity, edge: &Edge, mode: ModeId) -> bool {
         let mut at = mode;
         while at != target {
             let Some(parent) = entity.modes[at].parent else { return false };
-            let children = &entity.modes[parent].children;
-            let plain = children.iter().find(|c| entity.modes[**c].marked_initial).or(children.first());
-            if plain != Some(&at) && entity.modes[at].initial_when.is_none() {
+            let default = entity.default_mode(&entity.modes[parent].children);
+            if default != Some(at) && entity.modes[at].initial_when.is_none() {
                 return false;
             }
             at = parent;

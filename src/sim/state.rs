@@ -18,37 +18,44 @@ pub enum Life {
     Born,
 }
 
+#[inline]
 fn short(state: &[u8], at: usize) -> u16 {
     // Numbers of two bytes are at multiples of 2.
     u16::from_le_bytes(state.as_chunks().0[at / 2])
 }
 
 /// A slot as 1 plus its number, 0 for none; a world has at most `sema::MAX_INSTANCES` slots, so it fits.
+#[inline]
 fn slot(state: &[u8], at: usize) -> Option<SlotId> {
     short(state, at).checked_sub(1).map(|s| SlotId(u32::from(s)))
 }
 
+#[inline]
 fn set_slot(state: &mut [u8], at: usize, slot: Option<SlotId>) {
     store(state, at, slot.map_or(0, |s| s.0 as u16 + 1).to_le_bytes());
 }
 
+#[inline]
 fn load<const N: usize>(state: &[u8], at: usize) -> [u8; N] {
     let mut bytes = [0; N];
     bytes.copy_from_slice(&state[at..at + N]);
     bytes
 }
 
+#[inline]
 fn store<const N: usize>(state: &mut [u8], at: usize, bytes: [u8; N]) {
     state[at..at + N].copy_from_slice(&bytes);
 }
 
 /// A real number at an offset.
+#[inline]
 pub fn real(state: &[u8], at: usize) -> f64 {
     // Real numbers are at multiples of 8.
     f64::from_le_bytes(state.as_chunks().0[at / 8])
 }
 
 /// Writes a real number at an offset.
+#[inline]
 pub fn set_real(state: &mut [u8], at: usize, value: f64) {
     state.as_chunks_mut().0[at / 8] = value.to_le_bytes();
 }
@@ -73,11 +80,13 @@ fn one_zero(value: f64) -> f64 {
 }
 
 /// The buttons of a player's last step.
+#[inline]
 pub fn buttons(state: &[u8], at: usize) -> u64 {
     u64::from_le_bytes(load(state, at))
 }
 
 /// Writes the buttons of a player's last step.
+#[inline]
 pub fn set_buttons(state: &mut [u8], at: usize, buttons: u64) {
     store(state, at, buttons.to_le_bytes());
 }
@@ -96,10 +105,12 @@ impl PositionLayout {
     }
 
     /// As [`SlotLayout::acts`].
+    #[inline]
     pub fn acts(self, state: &[u8]) -> bool {
         state[self.alive] == 1
     }
 
+    #[inline]
     pub fn position(self, state: &[u8]) -> (f64, f64) {
         // The values of `x` and `y`, each followed by two derivatives.
         let bytes = &state[self.vars..self.vars + 32];
@@ -107,6 +118,7 @@ impl PositionLayout {
     }
 
     /// As [`SlotLayout::space`].
+    #[inline]
     pub fn space(self, state: &[u8]) -> SpaceId {
         SpaceId(u32::from(short(state, self.space)))
     }
@@ -120,16 +132,19 @@ pub(super) fn leaf_at(state: &[u8], at: usize) -> LeafId {
 
 impl SlotLayout {
     /// The offset of a continuous variable (degree 0) or one of its derivatives.
+    #[inline]
     pub fn var_offset(&self, var: VarId, degree: u8) -> usize {
         self.vars + 24 * var.index() + 8 * usize::from(degree)
     }
 
     /// A continuous variable or one of its derivatives.
+    #[inline]
     pub fn var(&self, state: &[u8], var: VarId, degree: u8) -> f64 {
         real(state, self.var_offset(var, degree))
     }
 
     /// Writes a continuous variable or one of its derivatives.
+    #[inline]
     pub fn set_var(&self, state: &mut [u8], var: VarId, degree: u8, value: f64) {
         set_real(state, self.var_offset(var, degree), one_zero(value));
     }
@@ -141,42 +156,50 @@ impl SlotLayout {
     }
 
     /// A discrete variable.
+    #[inline]
     pub fn discrete(&self, state: &[u8], id: DiscreteId) -> i32 {
         i32::from_le_bytes(load(state, self.discretes + 4 * id.index()))
     }
 
     /// Writes a discrete variable.
+    #[inline]
     pub fn set_discrete(&self, state: &mut [u8], id: DiscreteId, value: i32) {
         store(state, self.discretes + 4 * id.index(), value.to_le_bytes());
     }
 
     /// A timer's count of steps.
+    #[inline]
     pub fn timer(&self, state: &[u8], id: TimerId) -> u32 {
         u32::from_le_bytes(load(state, self.timers + 4 * id.index()))
     }
 
     /// Writes a timer's count of steps.
+    #[inline]
     pub fn set_timer(&self, state: &mut [u8], id: TimerId, count: u32) {
         store(state, self.timers + 4 * id.index(), count.to_le_bytes());
     }
 
     /// The active leaf of a group.
+    #[inline]
     pub fn leaf(&self, state: &[u8], group: GroupId) -> LeafId {
         leaf_at(state, self.leaf_offset(group))
     }
 
     /// The offset of a group's leaf.
+    #[inline]
     pub(super) fn leaf_offset(&self, group: GroupId) -> usize {
         self.leaves + 2 * group.index()
     }
 
     /// Makes a leaf of a group the active one.
+    #[inline]
     pub fn set_leaf(&self, state: &mut [u8], group: GroupId, leaf: LeafId) {
         // An entity has at most `sema::MAX_MODES` modes, so a leaf fits.
         store(state, self.leaves + 2 * group.index(), (leaf.0 as u16).to_le_bytes());
     }
 
     /// The space that the instance is in.
+    #[inline]
     pub fn space(&self, state: &[u8]) -> SpaceId {
         SpaceId(u32::from(short(state, self.space)))
     }
@@ -187,11 +210,13 @@ impl SlotLayout {
     }
 
     /// Whether there is an instance, alive or otherwise.
+    #[inline]
     pub fn alive(&self, state: &[u8]) -> bool {
         state[self.alive] != 0
     }
 
     /// The life cycle of the slot.
+    #[inline]
     pub fn life(&self, state: &[u8]) -> Life {
         match state[self.alive] {
             0 => Life::None,
@@ -202,6 +227,7 @@ impl SlotLayout {
     }
 
     /// Whether there is an instance that acts in this step.
+    #[inline]
     pub(super) fn acts(&self, state: &[u8]) -> bool {
         state[self.alive] == 1
     }
@@ -217,6 +243,7 @@ impl SlotLayout {
     }
 
     /// A parameter of a reusable slot.
+    #[inline]
     pub(super) fn param(&self, state: &[u8], id: ParamId) -> Option<f64> {
         self.params.map(|at| real(state, at + 8 * id.index()))
     }
@@ -228,6 +255,7 @@ impl SlotLayout {
     }
 
     /// The target of a reference.
+    #[inline]
     pub fn reference(&self, state: &[u8], id: RefId) -> Option<SlotId> {
         slot(state, self.refs + 2 * id.index())
     }
@@ -238,41 +266,49 @@ impl SlotLayout {
     }
 
     /// The lowest instance that a bound contact query found in the last collision phase.
+    #[inline]
     pub fn touched(&self, state: &[u8], id: TouchId) -> Option<SlotId> {
         slot(state, self.bound + 2 * id.index())
     }
 
     /// Stores the instance that a bound contact query found.
+    #[inline]
     pub fn set_touched(&self, state: &mut [u8], id: TouchId, target: Option<SlotId>) {
         set_slot(state, self.bound + 2 * id.index(), target);
     }
 
     /// The carrier of the instance.
+    #[inline]
     pub fn carrier(&self, state: &[u8]) -> Option<SlotId> {
         slot(state, self.carrier)
     }
 
     /// Sets the carrier of the instance.
+    #[inline]
     pub fn set_carrier(&self, state: &mut [u8], carrier: Option<SlotId>) {
         set_slot(state, self.carrier, carrier);
     }
 
     /// 0, or 1 plus the number of the direction in which an envelope reached its peak.
+    #[inline]
     pub fn peak(&self, state: &[u8], id: EnvelopeId) -> u16 {
         short(state, self.peaks + 2 * id.index())
     }
 
     /// Stores the direction in which an envelope reached its peak.
+    #[inline]
     pub fn set_peak(&self, state: &mut [u8], id: EnvelopeId, peak: u16) {
         store(state, self.peaks + 2 * id.index(), peak.to_le_bytes());
     }
 
     /// Whether a contact query held in the last collision phase.
+    #[inline]
     pub fn touch(&self, state: &[u8], touch: TouchId) -> bool {
         state[self.touches + touch.index() / 8] >> (touch.index() % 8) & 1 == 1
     }
 
     /// Sets the bit of a contact query.
+    #[inline]
     pub fn set_touch(&self, state: &mut [u8], touch: TouchId) {
         state[self.touches + touch.index() / 8] |= 1 << (touch.index() % 8);
     }
@@ -290,6 +326,7 @@ impl SlotLayout {
 
     /// Clears all contacts of the instance; `count` is the number of its contact queries, `bound` the number of those
     /// that store what is touched.
+    #[inline]
     pub fn clear_touches(&self, state: &mut [u8], count: usize, bound: usize) {
         match count {
             0 => return,

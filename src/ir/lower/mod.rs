@@ -286,7 +286,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
     }
     let initial = |mode: ModeId| {
         let mut mode = mode;
-        while let Some(child) = first_of(e, &e.modes[mode].children) {
+        while let Some(child) = e.default_mode(&e.modes[mode].children) {
             mode = child;
         }
         LeafId(first_leaf[mode.index()])
@@ -304,7 +304,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
             initial: initial(mode),
             chooses: !choices.is_empty(),
             choices,
-            inner: first_of(e, &m.children),
+            inner: e.default_mode(&m.children),
             entry,
         });
     }
@@ -322,7 +322,7 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
         program.entity_mut(id).groups.push(Group {
             name: group.name.as_ref().map(|n| n.text.to_string()),
             modes: IdRange::new(first, ModeId(end)),
-            first: first_of(e, &group.modes).unwrap_or(first),
+            first: e.default_mode(&group.modes).unwrap_or(first),
             choices,
         });
     }
@@ -332,9 +332,4 @@ fn modes(program: &mut Program, id: EntityId, e: &checked::Entity, context: &Con
 fn choices_of(program: &mut Program, e: &checked::Entity, modes: &[ModeId], context: &Context<'_>) -> Vec<Choice> {
     let guarded = modes.iter().filter_map(|&mode| e.modes[mode].initial_when.as_ref().map(|guard| (mode, guard)));
     guarded.map(|(mode, guard)| Choice { guard: program.term(guard, context), mode }).collect()
-}
-
-/// The mode marked `initial`, else the first.
-fn first_of(e: &checked::Entity, modes: &[ModeId]) -> Option<ModeId> {
-    modes.iter().copied().find(|&m| e.modes[m].marked_initial).or(modes.first().copied())
 }

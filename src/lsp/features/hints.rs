@@ -194,10 +194,8 @@ fn entered_leaf(entity: &Entity, mode: ModeId) -> Option<ModeId> {
         if inside.iter().any(|child| entity.modes[*child].initial_when.is_some()) {
             return None;
         }
-        let Some(first) = inside.iter().find(|c| entity.modes[**c].marked_initial).or(inside.first()) else {
-            return Some(at);
-        };
-        at = *first;
+        let Some(default) = entity.default_mode(inside) else { return Some(at) };
+        at = default;
     }
 }
 

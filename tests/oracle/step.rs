@@ -95,9 +95,15 @@ impl<'p> Oracle<'p> {
 
     /// The initial mode of siblings, and the initial modes inside it.
     fn initial_modes(&self, state: &State, slot: usize, of: &[ModeId]) -> Result<Vec<ModeId>, Fault> {
-        let Some(&written_first) = of.first() else { return Ok(Vec::new()) };
+        let Some(mut chosen) = of.first().copied() else { return Ok(Vec::new()) };
         let modes = &self.entity(slot).modes;
-        let mut chosen = of.iter().copied().find(|m| modes[*m].marked_initial).unwrap_or(written_first);
+        // From the weakest reason to the strongest: written first, first without a condition, marked, first that holds.
+        if let Some(mode) = of.iter().find(|m| modes[**m].initial_when.is_none()) {
+            chosen = *mode;
+        }
+        if let Some(mode) = of.iter().find(|m| modes[**m].marked_initial) {
+            chosen = *mode;
+        }
         for mode in of {
             if let Some(guard) = &modes[*mode].initial_when
                 && self.code(state, slot).holds(guard)?

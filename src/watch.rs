@@ -66,6 +66,7 @@ pub struct Meter<'w> {
 
 impl<'w> Meter<'w> {
     /// A meter that polls this watch.
+    #[inline]
     pub fn new(watch: &'w dyn Watch) -> Self {
         Meter { watch, since: Cell::new(0), is_stopped: Cell::new(false) }
     }
@@ -92,6 +93,7 @@ impl<'w> Meter<'w> {
     }
 
     /// Whether a poll told the work to stop.
+    #[inline]
     pub fn is_stopped(&self) -> bool {
         self.is_stopped.get()
     }

@@ -13,6 +13,7 @@ pub fn arithmetic(op: Arithmetic, a: f64, b: f64) -> f64 {
 }
 
 /// A comparison.
+#[inline]
 pub fn compare(op: CompareOp, a: f64, b: f64) -> bool {
     match op {
         CompareOp::Equal => a == b,

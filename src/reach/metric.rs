@@ -127,11 +127,26 @@ pub struct Point {
 }
 
 impl Point {
+    /// A coordinate or, after these, a leaf.
+    #[inline]
+    pub fn value(&self, index: usize) -> f32 {
+        match index.checked_sub(self.reals.len()) {
+            None => self.reals[index],
+            Some(index) => self.modes[index],
+        }
+    }
+
     /// The squared distance to another point; each differing mode adds `penalty`.
     pub fn distance(&self, other: &Point, penalty: f32) -> f32 {
-        let reals = self.reals.iter().zip(&other.reals).map(|(a, b)| (a - b) * (a - b));
-        let modes = self.modes.iter().zip(&other.modes).map(|(a, b)| if a == b { 0.0 } else { penalty });
-        reals.chain(modes).sum()
+        let mut sum = 0.0;
+        for (index, real) in self.reals.iter().enumerate() {
+            let d = real - other.reals[index];
+            sum += d * d;
+        }
+        for (index, mode) in self.modes.iter().enumerate() {
+            sum += if *mode == other.modes[index] { 0.0 } else { penalty };
+        }
+        sum
     }
 }
 

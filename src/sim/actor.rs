@@ -5,8 +5,8 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, SlotLayout, Step,
-    Subject, TimerId, World,
+    CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, SlotLayout,
+    Step, Subject, TimerId, TouchId, VarId, World,
 };
 
 /// The flow of a variable in a step: degree and value.
@@ -40,7 +40,7 @@ pub(super) struct Code {
 #[derive(Debug)]
 pub(super) struct Plan {
     /// Edges with a target, by their guards.
-    pub edges: Vec<(ExprId, EdgeId)>,
+    pub edges: Vec<(Guard, EdgeId)>,
     /// Whether there is anything else to run in the discrete phase.
     pub is_busy: bool,
     /// Flows that are constant while the leaf is active, each with the index of its variable.
@@ -55,12 +55,41 @@ pub(super) struct Plan {
     pub timers: Vec<TimerId>,
 }
 
+/// The guard of an edge. Most guards are one of few forms, which are decided without a look at the expressions.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Guard {
+    /// A contact query of the instance itself, and whether it must hold.
+    Touching(TouchId, bool),
+    /// A variable of the instance itself, or a derivative, compared with a constant.
+    Compare(CompareOp, VarId, u8, f64),
+    /// Any other expression.
+    Expr(ExprId),
+}
+
+impl Guard {
+    fn new(id: ExprId, at: impl Fn(ExprId) -> Expr) -> Guard {
+        match at(id) {
+            Expr::Touching(Subject::Me, touch) => Guard::Touching(touch, true),
+            Expr::Not(a) => match at(a) {
+                Expr::Touching(Subject::Me, touch) => Guard::Touching(touch, false),
+                _ => Guard::Expr(id),
+            },
+            Expr::Compare(op, a, b) => match (at(a), at(b)) {
+                (Expr::Var(Subject::Me, var, degree), Expr::Number(n)) => Guard::Compare(op, var, degree, n),
+                _ => Guard::Expr(id),
+            },
+            _ => Guard::Expr(id),
+        }
+    }
+}
+
 impl Code {
     fn new(entity: &Entity, exprs: Box<[Expr]>) -> Self {
         let base = entity.code.from.0;
+        let at = |id: ExprId| exprs[(id.0 - base) as usize];
         let fixed = |drive: &Drive| match *drive {
             Drive::Coast(var) => Some((var.index(), COAST)),
-            Drive::Flow { var, degree, value } => match exprs[(value.0 - base) as usize] {
+            Drive::Flow { var, degree, value } => match at(value) {
                 Expr::Number(n) => Some((var.index(), (degree, n))),
                 _ => None,
             },
@@ -83,7 +112,7 @@ impl Code {
                 row[var] = flow;
             }
             Plan {
-                edges: leaf.edges.iter().map(|&edge| (entity.edges[edge].guard, edge)).collect(),
+                edges: leaf.edges.iter().map(|&edge| (Guard::new(entity.edges[edge].guard, at), edge)).collect(),
                 is_busy: !leaf.internal.is_empty() || !leaf.follows.is_empty(),
                 is_steady: is_single && drives.is_empty(),
                 steady,
@@ -92,7 +121,7 @@ impl Code {
                 timers: entity.timers.pairs().filter(|(_, t)| leaf.path.contains(&t.mode)).map(|(id, _)| id).collect(),
             }
         };
-        let number = |id: ExprId| match exprs[(id.0 - base) as usize] {
+        let number = |id: ExprId| match at(id) {
             Expr::Number(n) => Some(n),
             _ => None,
         };

@@ -72,6 +72,7 @@ impl BroadPhase {
 }
 
 /// The number of pairs among the bodies of each kind, if comparing them all costs less than sorting.
+#[inline]
 pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> Option<usize> {
     let pairs = |&(a, b): &(usize, usize)| match a == b {
         true => active[a].len() * active[a].len().saturating_sub(1) / 2,
@@ -83,6 +84,7 @@ pub(super) fn is_few(kinds: &Kinds, active: &[Vec<u32>]) -> Option<usize> {
 
 /// Calls `visit` with every pair of active boxes of one space that overlap or touch and whose kinds can, the lower
 /// index first.
+#[inline]
 pub(super) fn each(kinds: &Kinds, active: &[Vec<u32>], boxes: &[Rect], visit: &mut impl FnMut(usize, usize)) {
     for &(a, b) in &kinds.pairs {
         for (nth, &i) in active[a].iter().enumerate() {
@@ -139,10 +141,10 @@ impl Sweep {
         let height = active().map(|b| b.top - b.bottom).sum::<f64>() / active().count() as f64;
         // The cast saturates: boxes that are very far up share the last strip.
         let strip = |y: f64| ((y - floor) / height) as u32;
-        for (body, b) in (0..).zip(boxes).filter(|(body, b)| b.active && meets(*body as usize)) {
+        for (body, b) in boxes.iter().enumerate().filter(|(body, b)| b.active && meets(*body)) {
             let (lowest, left) = (strip(b.bottom), ordered(b.left));
             let touched = lowest..=strip(b.top);
-            entries.extend(touched.map(|strip| Entry { space: b.space, strip, left, body, lowest }));
+            entries.extend(touched.map(|strip| Entry { space: b.space, strip, left, body: body as u32, lowest }));
         }
         entries.sort_unstable();
         let mut compared = entries.len();

@@ -22,6 +22,7 @@ use super::fault::Fault;
 use super::input::Frame;
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::state::{PositionLayout, leaf_at, set_triple, triple};
+use super::tiles::Grid;
 
 /// Data about a world's colliders, prepared once.
 #[derive(Debug)]
@@ -38,6 +39,8 @@ pub(super) struct Collision {
     movable: Vec<usize>,
     /// For each space, which static obstacles are adjacent.
     pub adjacency: Vec<Adjacency>,
+    /// For each space, the columns and the rows of its map.
+    pub grids: Vec<[Grid; 2]>,
 }
 
 /// A collider of a slot.
@@ -228,7 +231,7 @@ impl Collision {
         let contact_readers = slots_with(&|e| !e.touches.is_empty());
         let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
         let adjacency = world.spaces.iter().map(Adjacency::new).collect();
-        Collision { bodies, kinds, broad_phase, carries, contact_readers, movable, adjacency }
+        Collision { bodies, kinds, broad_phase, carries, contact_readers, movable, adjacency, grids: Grid::of(world) }
     }
 
     /// Working memory for this world.
@@ -241,7 +244,7 @@ impl Collision {
                 0
             }),
             active: self.broad_phase.buffers(),
-            displacements: vec![Displacement::default(); world.slots.len()],
+            displacements: vec![Displacement::NONE; world.slots.len()],
             work: 0,
         }
     }
@@ -295,7 +298,7 @@ impl Simulator {
             layout.clear_touches(state, *touches, *bound);
         }
         for &slot in &self.collision.movable {
-            displacements[slot] = Displacement::default();
+            displacements[slot] = Displacement::NONE;
         }
         let bodies = &self.collision.bodies;
         match &self.collision.broad_phase {
@@ -310,8 +313,10 @@ impl Simulator {
             }
             BroadPhase::Kinds(pairs) => {
                 active.iter_mut().for_each(Vec::clear);
-                for (body, at) in bodies.iter().zip(0..).filter(|(_, at)| boxes[*at as usize].active) {
-                    active[body.set].push(at);
+                for (at, body) in bodies.iter().enumerate() {
+                    if boxes[at].active {
+                        active[body.set].push(at as u32);
+                    }
                 }
                 let mut visit = |i: usize, j: usize| {
                     if bodies[i].slot != bodies[j].slot {
@@ -334,7 +339,8 @@ impl Simulator {
         if meter.is_stopped() {
             return Ok(());
         }
-        for (body, rect) in bodies.iter().zip(boxes.iter()) {
+        for (at, body) in bodies.iter().enumerate() {
+            let rect = &boxes[at];
             if body.meets && rect.active {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
@@ -352,7 +358,8 @@ impl Simulator {
         }
         if push {
             for &slot in &self.collision.movable {
-                if displacements[slot].push != [0.0; 2] {
+                let [x, y] = displacements[slot].push;
+                if x != 0.0 || y != 0.0 {
                     push_out(state, &self.actors[slot].layout, displacements[slot]);
                 }
             }
@@ -403,7 +410,8 @@ impl Simulator {
     fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
         let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
-        for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
+        for (at, body) in self.collision.bodies.iter().enumerate() {
+            let rect = &mut collision.boxes[at];
             let layout = body.layout;
             let is_there = |(at, leaves): &(usize, Arc<[bool]>)| leaves[leaf_at(state, *at).index()];
             rect.active = layout.acts(state) && body.by_leaf.as_ref().is_none_or(is_there);
@@ -556,9 +564,9 @@ impl Simulator {
         let space = rect.space as usize;
         let solids = &self.world().spaces[SpaceId(rect.space)].solids;
         let kind = &self.collision.kinds[body.kind];
-        for (index, (solid, with)) in solids.iter().zip(&kind.solids[space]).enumerate() {
+        for (index, with) in kind.solids[space].iter().enumerate() {
             let Some(with) = with else { continue };
-            let Bounds { left, right, bottom, top } = solid.bounds;
+            let Bounds { left, right, bottom, top } = solids[index].bounds;
             let other = Rect { left, right, bottom, top, active: true, ..Rect::default() };
             let mut corner = None;
             let contact = meet(rect, &other, rect.back, with.meeting, |overlap| {
@@ -587,17 +595,19 @@ impl Simulator {
         corner: Option<[Contact; 2]>,
         displacement: &mut Displacement,
     ) {
-        let blocked = with.meeting.response.push == Push::Block && !body.kinematic;
-        for contact in corner.into_iter().flatten().filter(|_| blocked) {
-            displacement.add(contact, with.meeting.response.stop);
+        let Some([horizontal, vertical]) = corner else { return };
+        if with.meeting.response.push == Push::Block && !body.kinematic {
+            displacement.add(horizontal, with.meeting.response.stop);
+            displacement.add(vertical, with.meeting.response.stop);
         }
     }
 }
 
 /// Moves an instance out of obstacles.
 fn push_out(state: &mut [u8], layout: &SlotLayout, Displacement { push, stops }: Displacement) {
-    let axes = [(stops.left, stops.right, push[0]), (stops.below, stops.above, push[1])];
-    for ((low, high, push), values) in axes.into_iter().zip(layout.triples_mut(state, 2)) {
+    let stops = [(stops.left, stops.right), (stops.below, stops.above)];
+    for (axis, values) in layout.triples_mut(state, 2).iter_mut().enumerate() {
+        let (push, (low, high)) = (push[axis], stops[axis]);
         // A contact that stops a velocity also pushes.
         if push == 0.0 {
             continue;

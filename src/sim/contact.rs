@@ -34,7 +34,7 @@ impl Rect {
 }
 
 /// Sides on which a velocity is set to 0.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Stops {
     pub left: bool,
     pub right: bool,
@@ -43,7 +43,7 @@ pub(super) struct Stops {
 }
 
 /// The combined effect of the blocking contacts of an instance.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Displacement {
     /// The push along x and y, px.
     pub push: [f64; 2],
@@ -52,7 +52,12 @@ pub(super) struct Displacement {
 }
 
 impl Displacement {
+    /// That of an instance without contacts.
+    pub const NONE: Displacement =
+        Displacement { push: [0.0; 2], stops: Stops { left: false, right: false, above: false, below: false } };
+
     /// Adds a contact: per axis the deepest wins. Touching without overlap has no effect.
+    #[inline]
     pub fn add(&mut self, contact: Contact, stop: bool) {
         if contact.depth <= 0.0 {
             return;
@@ -108,21 +113,25 @@ impl Overlap {
     }
 
     /// Whether the first was separate along both axes before: it came diagonally.
+    #[inline]
     pub fn came_diagonally(&self, back: (f64, f64)) -> bool {
         let x = if self.x_side == Side::Right { back.0 } else { -back.0 };
         let y = if self.y_side == Side::Above { back.1 } else { -back.1 };
         self.x + x <= TOLERANCE && self.y + y <= TOLERANCE
     }
 
+    #[inline]
     pub fn horizontal(&self) -> Contact {
         Contact { side: self.x_side, depth: self.x }
     }
 
+    #[inline]
     pub fn vertical(&self) -> Contact {
         Contact { side: self.y_side, depth: self.y }
     }
 
     /// The contact along the axis of least penetration; ties are vertical.
+    #[inline]
     pub fn least(&self) -> Contact {
         if self.x < self.y { self.horizontal() } else { self.vertical() }
     }
@@ -173,6 +182,7 @@ fn circles_meet(a: &Rect, b: &Rect) -> bool {
     distance < radius * radius || (distance == radius * radius && (dx == 0.0 || dy == 0.0))
 }
 
+#[inline]
 pub(super) fn opposite(side: Side) -> Side {
     match side {
         Side::Left => Side::Right,

@@ -87,15 +87,17 @@ impl Simulator {
         fault: &Cell<Option<Fault>>,
     ) {
         let reader = self.reader(actor, state, frames, &[], fault);
-        for (clamp, bounds) in actor.entity.clamps.iter().zip(&mut clamps[actor.clamps.clone()]) {
-            *bounds = (
+        let own = &mut clamps[actor.clamps.clone()];
+        for (index, clamp) in actor.entity.clamps.iter().enumerate() {
+            own[index] = (
                 clamp.low.map_or(f64::NEG_INFINITY, |low| reader.number(low)),
                 clamp.high.map_or(f64::INFINITY, |high| reader.number(high)),
             );
         }
-        for (envelope, peak) in actor.entity.envelopes.iter().zip(&mut peaks[actor.envelopes.clone()]) {
+        let own = &mut peaks[actor.envelopes.clone()];
+        for (id, envelope) in actor.entity.envelopes.pairs() {
             if envelope.peak.is_some() {
-                *peak = next_peak(&reader, &actor.entity, envelope);
+                own[id.index()] = next_peak(&reader, &actor.entity, envelope);
             }
         }
     }
@@ -117,24 +119,25 @@ impl Simulator {
         let mut sum = 0.0;
         if actor.is_bounded {
             let (all, bounds) = (&actor.entity.clamps, &clamps[actor.clamps.clone()]);
-            for ((var, values), &flow) in (0u32..).map(VarId).zip(values.iter_mut()).zip(flows) {
-                let moved = moved(triple(values), flow, self.step, |v, degree| clip(all, bounds, var, degree, v));
+            for (index, values) in values.iter_mut().enumerate() {
+                let clip = |v, degree| clip(all, bounds, VarId::from_index(index), degree, v);
+                let moved = moved(triple(values), flows[index], self.step, clip);
                 sum += total(moved);
                 set_triple(values, moved);
             }
         } else if let Some(limits) = &actor.code.limits {
-            for ((values, &flow), limits) in values.iter_mut().zip(flows).zip(limits) {
+            for (index, values) in values.iter_mut().enumerate() {
                 let within = |v: f64, degree: u8| {
-                    let (low, high) = limits[usize::from(degree)];
+                    let (low, high) = limits[index][usize::from(degree)];
                     v.max(low).min(high)
                 };
-                let moved = moved(triple(values), flow, self.step, within);
+                let moved = moved(triple(values), flows[index], self.step, within);
                 sum += total(moved);
                 set_triple(values, moved);
             }
         } else {
-            for (values, &flow) in values.iter_mut().zip(flows) {
-                let moved = moved(triple(values), flow, self.step, |v, _| v);
+            for (index, values) in values.iter_mut().enumerate() {
+                let moved = moved(triple(values), flows[index], self.step, |v, _| v);
                 sum += total(moved);
                 set_triple(values, moved);
             }
@@ -147,9 +150,10 @@ impl Simulator {
             self.count_timers(state, actor);
         }
         if actor.is_bounded {
-            for ((id, envelope), peak) in actor.entity.envelopes.pairs().zip(&peaks[actor.envelopes.clone()]) {
+            let own = &peaks[actor.envelopes.clone()];
+            for (id, envelope) in actor.entity.envelopes.pairs() {
                 if envelope.peak.is_some() {
-                    layout.set_peak(state, id, *peak);
+                    layout.set_peak(state, id, own[id.index()]);
                 }
             }
         }
@@ -209,8 +213,14 @@ fn diverged(actor: &Actor, values: &[[u8; 24]]) -> Result<(), Fault> {
 
 /// A value within all clamps of its variable.
 fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: f64) -> f64 {
-    let own = clamps.iter().zip(bounds).filter(|(c, _)| c.var == var && c.degree == degree);
-    own.fold(value, |value, (_, &(low, high))| value.max(low).min(high))
+    let mut value = value;
+    for (index, clamp) in clamps.iter().enumerate() {
+        if clamp.var == var && clamp.degree == degree {
+            let (low, high) = bounds[index];
+            value = value.max(low).min(high);
+        }
+    }
+    value
 }
 
 /// Stores the value of a drive for its variable.

@@ -212,7 +212,7 @@ impl Simulator {
 #[inline(always)]
 fn first_edge(reader: &Reader<'_>, plan: &Plan) -> Option<EdgeId> {
     for &(guard, edge) in &plan.edges {
-        if reader.truth(guard) {
+        if reader.guard(guard) {
             return Some(edge);
         }
     }

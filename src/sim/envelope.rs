@@ -21,7 +21,7 @@ struct Direction {
 impl Direction {
     /// A vector of some length in this direction; of one component if the envelope has one variable.
     fn scaled<const N: usize>(self, length: f64) -> [f64; N] {
-        std::array::from_fn(|i| self.vector[i] * length)
+        vector(|i| self.vector[i] * length)
     }
 }
 
@@ -32,7 +32,7 @@ pub(super) fn envelope_value(reader: &Reader<'_>, id: EnvelopeId, envelope: &Env
         let t = reader.sim.world().step.times(layout.timer(reader.state, timer).saturating_add(1));
         return at_time(
             t,
-            [rise, hold, fall].map(|e| reader.number(e)),
+            [reader.number(rise), reader.number(hold), reader.number(fall)],
             level(reader, envelope),
             reader.number(envelope.sustain),
         );
@@ -56,7 +56,8 @@ fn driven_values<const N: usize>(reader: &Reader<'_>, id: EnvelopeId, envelope: 
             Release::Hold => return current,
             Release::To { rate, level } => {
                 let level = reader.number(*level);
-                (unit(current).map(|d| d * level), *rate)
+                let direction = unit(current);
+                (vector(|i| direction[i] * level), *rate)
             }
         },
     };
@@ -145,10 +146,26 @@ fn nearest(input: [f64; 2], directions: &[[f64; 2]]) -> Direction {
     }
 }
 
+/// A vector by its components. A plain loop is compiled in place, unlike `std::array::from_fn`.
+#[inline(always)]
+fn vector<const N: usize>(component: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut all = [0.0; N];
+    for (index, value) in all.iter_mut().enumerate() {
+        *value = component(index);
+    }
+    all
+}
+
 /// The length of a vector; exact along the first axis.
 #[inline]
 fn length<const N: usize>(v: [f64; N]) -> f64 {
-    if v[1..].iter().all(|&x| x == 0.0) { v[0].abs() } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() }
+    let mut sum = 0.0;
+    let mut is_along_axis = true;
+    for (index, x) in v.iter().enumerate() {
+        is_along_axis &= index == 0 || *x == 0.0;
+        sum += x * x;
+    }
+    if is_along_axis { v[0].abs() } else { sum.sqrt() }
 }
 
 /// A vector of length 1, or 0.
@@ -157,8 +174,8 @@ fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
     match length(v) {
         0.0 => [0.0; N],
         // The quotient is 1 or -1, without a division.
-        _ if N == 1 => v.map(f64::signum),
-        length => v.map(|x| x / length),
+        _ if N == 1 => vector(|i| v[i].signum()),
+        length => vector(|i| v[i] / length),
     }
 }
 
@@ -167,7 +184,7 @@ fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
 fn current<const N: usize>(reader: &Reader<'_>, envelope: &Envelope) -> [f64; N] {
     let layout = reader.own_layout();
     let value = |i: usize| envelope.vars.get(i).map_or(0.0, |&v| layout.var(reader.state, v, envelope.degree));
-    std::array::from_fn(value)
+    vector(value)
 }
 
 /// Moves from `current` towards `target` by at most the rate of a step, never past it.
@@ -180,12 +197,12 @@ fn approach<const N: usize>(
 ) -> [f64; N] {
     let Some(rate) = rate else { return target };
     let reach = reader.number(rate) * reader.sim.step;
-    let offset: [f64; N] = std::array::from_fn(|i| target[i] - current[i]);
+    let offset = vector::<N>(|i| target[i] - current[i]);
     if length(offset) <= reach {
         return target;
     }
     let offset = unit(offset);
-    std::array::from_fn(|i| current[i] + offset[i] * reach)
+    vector(|i| current[i] + offset[i] * reach)
 }
 
 fn level(reader: &Reader<'_>, envelope: &Envelope) -> f64 {

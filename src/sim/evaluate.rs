@@ -7,7 +7,7 @@ use crate::ir::{
     SlotLayout, Subject, arithmetic, call, compare,
 };
 
-use super::actor::Actor;
+use super::actor::{Actor, Guard};
 use super::discrete::TakenEdge;
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
@@ -42,6 +42,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The instance of a subject, if there is one.
+    #[inline]
     pub fn instance(&self, of: Subject) -> Option<SlotId> {
         match of {
             Subject::Me => Some(self.me),
@@ -96,6 +97,7 @@ impl<'a> Reader<'a> {
         if entering { transition.enters(entity, mode) } else { transition.leaves(entity, mode) }
     }
 
+    #[inline]
     fn frame(&self) -> Option<&Frame> {
         self.actor.and_then(|a| a.player).and_then(|p| self.frames.get(p))
     }
@@ -117,6 +119,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The value of an axis; 0 if no player controls the instance.
+    #[inline]
     pub fn axis(&self, axis: AxisId) -> f64 {
         self.frame().and_then(|f| f.axes.get(axis.index()).copied()).unwrap_or(0.0)
     }
@@ -137,6 +140,7 @@ impl<'a> Reader<'a> {
         at.initial
     }
 
+    #[inline]
     pub fn button(&self, press: Press, button: ButtonId) -> bool {
         self.frame().is_some_and(|f| {
             let bits = match press {
@@ -210,6 +214,16 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Whether the guard of an edge holds.
+    #[inline(always)]
+    pub fn guard(&self, guard: Guard) -> bool {
+        match guard {
+            Guard::Touching(touch, wanted) => self.own_layout().touch(self.state, touch) == wanted,
+            Guard::Compare(op, var, degree, n) => compare(op, self.own_layout().var(self.state, var, degree), n),
+            Guard::Expr(id) => self.truth(id),
+        }
+    }
+
     /// An expression as a truth value.
     #[inline(always)]
     pub fn truth(&self, id: ExprId) -> bool {
@@ -217,10 +231,6 @@ impl<'a> Reader<'a> {
             Expr::Compare(op, a, b) => compare(op, self.number(a), self.number(b)),
             Expr::Touching(Subject::Me, touch) => self.own_layout().touch(self.state, touch),
             Expr::Button(press, button) => self.button(press, button),
-            Expr::Not(a) => match *self.at(a) {
-                Expr::Touching(Subject::Me, touch) => !self.own_layout().touch(self.state, touch),
-                _ => !self.decide(a),
-            },
             _ => self.decide(id),
         }
     }

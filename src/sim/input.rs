@@ -20,6 +20,7 @@ pub struct Input(pub Vec<PlayerInput>);
 
 impl Input {
     /// The input of a player.
+    #[inline]
     pub fn of(&self, player: PlayerId) -> PlayerInput {
         self.0.get(player.index()).copied().unwrap_or_default()
     }
@@ -74,6 +75,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
+    #[inline]
     pub fn new(now: PlayerInput, last: u64) -> Frame {
         Frame { held: now.buttons, pressed: now.buttons & !last, released: last & !now.buttons, axes: now.axes }
     }

@@ -132,15 +132,18 @@ impl Simulator {
         self.id
     }
 
+    #[inline]
     pub(super) fn entity(&self, slot: SlotId) -> &Entity {
         &self.actors[slot.index()].entity
     }
 
+    #[inline]
     pub(super) fn layout(&self, slot: SlotId) -> &SlotLayout {
         &self.actors[slot.index()].layout
     }
 
     /// A reader for an instance's own code.
+    #[inline]
     pub(super) fn reader<'a>(
         &'a self,
         actor: &'a Actor,
@@ -154,6 +157,7 @@ impl Simulator {
     }
 
     /// A reader for expressions of the world.
+    #[inline]
     pub(super) fn world_reader<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
         let code = self.code.as_deref().or(self.program.exprs.in_one_piece()).unwrap_or_default();
         Reader { sim: self, state, frames: &[], taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
@@ -339,6 +343,7 @@ impl Simulator {
     }
 
     /// A slot's position, px.
+    #[inline]
     pub fn position(&self, state: &[u8], slot: SlotId) -> (f64, f64) {
         let layout = self.layout(slot);
         (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0))
@@ -346,6 +351,7 @@ impl Simulator {
 
     /// A parameter of a slot's instance: from the state if it can differ between lives of the slot, else from the
     /// world.
+    #[inline]
     pub(super) fn param(&self, state: &[u8], slot: SlotId, param: ParamId) -> f64 {
         match self.layout(slot).param(state, param) {
             Some(value) => value,
@@ -354,11 +360,13 @@ impl Simulator {
     }
 
     /// The space that a slot is in.
+    #[inline]
     pub fn space(&self, state: &[u8], slot: SlotId) -> SpaceId {
         self.layout(slot).space(state)
     }
 
     /// Fails with the recorded fault, if any.
+    #[inline]
     pub(super) fn check_fault(fault: &Cell<Option<Fault>>) -> Result<(), Fault> {
         match fault.get() {
             Some(fault) => Err(fault),

@@ -37,14 +37,14 @@ fn set_slot(state: &mut [u8], at: usize, slot: Option<SlotId>) {
 
 #[inline]
 fn load<const N: usize>(state: &[u8], at: usize) -> [u8; N] {
-    let mut bytes = [0; N];
-    bytes.copy_from_slice(&state[at..at + N]);
-    bytes
+    state[at..at + N].first_chunk().copied().unwrap_or([0; N])
 }
 
 #[inline]
 fn store<const N: usize>(state: &mut [u8], at: usize, bytes: [u8; N]) {
-    state[at..at + N].copy_from_slice(&bytes);
+    if let Some(chunk) = state[at..at + N].first_chunk_mut() {
+        *chunk = bytes;
+    }
 }
 
 /// A real number at an offset.
@@ -67,10 +67,10 @@ pub(super) fn triple(bytes: &[u8; 24]) -> [f64; 3] {
 }
 
 #[inline]
-pub(super) fn set_triple(bytes: &mut [u8; 24], values: [f64; 3]) {
-    for (degree, value) in values.into_iter().enumerate() {
-        set_real(bytes, 8 * degree, one_zero(value));
-    }
+pub(super) fn set_triple(bytes: &mut [u8; 24], [value, first, second]: [f64; 3]) {
+    set_real(bytes, 0, one_zero(value));
+    set_real(bytes, 8, one_zero(first));
+    set_real(bytes, 16, one_zero(second));
 }
 
 /// There is one zero, so that equal states are equal bytes.

@@ -1,6 +1,6 @@
 //! Contacts between bodies and the tiles of a map.
 
-use crate::ir::{Push, Side, SpaceId, TagId, TileMap};
+use crate::ir::{Push, Side, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
 use super::collision::{Body, Encounter};
@@ -41,10 +41,9 @@ impl Simulator {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
         let tiles = Tiles { map, encounters, meter };
-        let (width, height) = map.tile;
-        // A tile that is touched along its edge counts, so the range is closed at both ends.
-        let (first, after) = range(rect.left, rect.right, width, map.columns);
-        let (low, high) = range(rect.bottom, rect.top, height, map.rows);
+        let [columns, rows] = &self.collision.grids[rect.space as usize];
+        let (first, after) = columns.range(rect.left, rect.right);
+        let (low, high) = rows.range(rect.bottom, rect.top);
         let examined = (high - low.min(high)) * (after - first.min(after));
         let is_large = examined > LARGE;
         for row in low..high {
@@ -53,9 +52,10 @@ impl Simulator {
             }
             let start = row * map.columns;
             let Some(cells) = map.cells.get(start + first..start + after) else { continue };
-            for (column, &kind) in (first..).zip(cells) {
+            for (index, &kind) in cells.iter().enumerate() {
                 if let Some(with) = &encounters[usize::from(kind)] {
-                    self.collide_tile(state, (body, rect), tiles, (column, row), with, displacement);
+                    let cell = (first + index, row);
+                    self.collide_tile(state, (body, rect), tiles, cell, with, displacement);
                 }
             }
         }
@@ -108,16 +108,63 @@ impl Simulator {
     }
 }
 
-/// The half-open range of tiles of the map whose closed extent overlaps `low..=high`.
-fn range(low: f64, high: f64, size: f64, count: usize) -> (usize, usize) {
-    let (low, high) = (low / size, high / size);
-    // The cast truncates, which is the floor of a non-negative number, and saturates.
-    let whole = low as i64;
-    let first = match low {
-        ..=1.0 => 0,
-        _ if whole as f64 == low => whole - 1,
-        _ => whole,
-    };
-    let after = if high < 0.0 { 0 } else { (high as i64).min(count as i64 - 1) + 1 };
-    (first as usize, after as usize)
+/// The columns or the rows of a map, for looking up the tiles near a body without a division.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Grid {
+    count: i64,
+    /// The reciprocal of a tile's size, rounded down and up, 1/px.
+    per_px: (f64, f64),
+}
+
+impl Grid {
+    /// The columns and the rows of each space; none without a map.
+    pub fn of(world: &World) -> Vec<[Grid; 2]> {
+        let of = |space| {
+            let Some(map) = &world.spaces[space].map else { return [Grid::default(); 2] };
+            [Grid::new(map.tile.0, map.columns), Grid::new(map.tile.1, map.rows)]
+        };
+        world.spaces.ids().map(of).collect()
+    }
+
+    fn new(size: f64, count: usize) -> Grid {
+        // Wider than the rounding errors of a reciprocal and of a product with it.
+        const MARGIN: f64 = 4.0 * f64::EPSILON;
+        Grid { count: count as i64, per_px: ((1.0 - MARGIN) / size, (1.0 + MARGIN) / size) }
+    }
+
+    /// A half-open range that contains all tiles whose closed extent overlaps `low..=high`. A tile that is only touched
+    /// along its edge counts; one that is missed by a rounding error may be among them.
+    #[inline]
+    fn range(&self, low: f64, high: f64) -> (usize, usize) {
+        let (low, high) = (low * self.per_px.0, high * self.per_px.1);
+        // The cast truncates, which is the floor of a non-negative number, and saturates.
+        let after = if high < 0.0 { 0 } else { (high as i64).min(self.count - 1) + 1 };
+        ((low as i64).max(0) as usize, after as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_contains_every_tile_that_is_touched() {
+        for size in [16.0, 0.1, 1.0 / 3.0, 7.3, 1e-3, 1e6] {
+            let grid = Grid::new(size, 5000);
+            for tile in (0..5000i32).step_by(7) {
+                let (left, right) = (f64::from(tile) * size, f64::from(tile) * size + size);
+                let contains = |low, high| {
+                    let (first, after) = grid.range(low, high);
+                    (first..after).contains(&(tile as usize))
+                };
+                assert!(contains(right, right + size) && contains(left - size, left), "{size} {tile}: touched");
+                assert!(contains(left, right), "{size} {tile}: filled");
+                assert!(!contains(right + 0.01 * size, right + size), "{size} {tile}: apart");
+                assert!(!contains(left - size, left - 0.01 * size), "{size} {tile}: apart");
+            }
+        }
+        assert_eq!(Grid::new(16.0, 10).range(-40.0, -1.0), (0, 0));
+        assert_eq!(Grid::new(16.0, 10).range(150.0, 1e300), (9, 10));
+        assert_eq!(Grid::default().range(3.0, 4.0), (0, 0));
+    }
 }

@@ -127,8 +127,8 @@ impl<T> Lookup<T> {
     /// The intervals that contain a number.
     fn around(&self, x: f64) -> impl Iterator<Item = &(Interval, T)> {
         let after = self.items.partition_point(|(i, _)| i.low <= x);
-        let below = self.items[..after].iter().zip(&self.reach[..after]).rev();
-        below.take_while(move |(_, reach)| x <= **reach).map(|(item, _)| item).filter(move |(i, _)| i.contains(x))
+        let below = (0..after).rev().take_while(move |&index| x <= self.reach[index]);
+        below.map(|index| &self.items[index]).filter(move |(i, _)| i.contains(x))
     }
 }
 

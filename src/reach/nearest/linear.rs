@@ -133,11 +133,12 @@ impl Linear {
     /// The squared distance of one point, bit for bit as in the scan.
     pub fn distance(&self, slot: usize, query: &Query<'_>) -> f32 {
         let mut sum = 0.0;
-        for (value, wanted) in self.coordinates(slot).zip(query.reals) {
-            let d = value - wanted;
+        for (row, wanted) in query.reals.iter().enumerate() {
+            let d = self.value(slot, row) - wanted;
             sum += d * d;
         }
-        for (mode, wanted) in self.modes(slot).zip(query.modes) {
+        for (row, wanted) in query.modes.iter().enumerate() {
+            let mode = self.value(slot, self.reals + row);
             sum += if mode == *wanted { 0.0 } else { query.penalty };
         }
         (0..query.differing).fold(sum, |sum, _| sum + query.penalty)
@@ -181,9 +182,9 @@ impl Linear {
                 continue;
             };
             let slot = (first + number) * LANES;
-            for (slot, sum) in (slot..self.len()).zip(sums) {
+            for (lane, &sum) in sums.iter().enumerate().take(self.len() - slot) {
                 if sum <= best.distance {
-                    let index = self.index(slot);
+                    let index = self.index(slot + lane);
                     if best.is_beaten_by(sum, index) && accept(index) {
                         (best.distance, best.index) = (sum, index);
                     }
@@ -197,8 +198,9 @@ impl Linear {
     fn sums(&self, block: &[[f32; LANES]], query: &Query<'_>, most: f32) -> Option<[f32; LANES]> {
         let mut sums = [0.0f32; LANES];
         let (reals, modes) = block.split_at(self.reals);
-        for (rows, values) in reals.chunks(ROWS_AT_ONCE).zip(query.reals.chunks(ROWS_AT_ONCE)) {
-            for (row, value) in rows.iter().zip(values) {
+        for (chunk, rows) in reals.chunks(ROWS_AT_ONCE).enumerate() {
+            for (at, row) in rows.iter().enumerate() {
+                let value = query.reals[chunk * ROWS_AT_ONCE + at];
                 for lane in 0..LANES {
                     let d = row[lane] - value;
                     sums[lane] += d * d;
@@ -212,9 +214,10 @@ impl Linear {
         if modes.is_empty() && query.differing == 0 {
             return Some(sums);
         }
-        for (row, value) in modes.iter().zip(query.modes) {
+        for (at, row) in modes.iter().enumerate() {
+            let value = query.modes[at];
             for lane in 0..LANES {
-                sums[lane] += if row[lane] == *value { 0.0 } else { query.penalty };
+                sums[lane] += if row[lane] == value { 0.0 } else { query.penalty };
             }
         }
         for _ in 0..query.differing {

@@ -79,9 +79,8 @@ impl CoverageGuided {
     /// Counts the changes of an extension.
     fn compare(&mut self, context: &SearchContext<'_>, from: NodeId, point: &Point) {
         context.point(from, &mut self.before);
-        let before = self.before.reals.iter().chain(&self.before.modes);
-        for ((axis, before), after) in self.axes.iter_mut().zip(before).zip(point.reals.iter().chain(&point.modes)) {
-            axis.changes += u64::from(axis.counts && before != after);
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            axis.changes += u64::from(axis.counts && self.before.value(index) != point.value(index));
         }
         self.extensions += 1;
     }
@@ -114,9 +113,9 @@ impl CoverageGuided {
         let mut key = 0;
         for (level, out) in keys.iter_mut().enumerate() {
             key = mix(key, level as u64);
-            for (axis, value) in self.axes.iter().zip(point.reals.iter().chain(&point.modes)) {
+            for (index, axis) in self.axes.iter().enumerate() {
                 if axis.level == level {
-                    key = mix(key, axis.cell(*value));
+                    key = mix(key, axis.cell(point.value(index)));
                 }
             }
             *out = key;

@@ -133,13 +133,14 @@ impl Linear {
     /// The squared distance of one point, bit for bit as in the scan.
     pub fn distance(&self, slot: usize, query: &Query<'_>) -> f32 {
         let mut sum = 0.0;
-        for (row, wanted) in query.reals.iter().enumerate() {
-            let d = self.value(slot, row) - wanted;
+        // The query of a partition by modes has more modes than its points.
+        for row in 0..self.reals {
+            let d = self.value(slot, row) - query.reals[row];
             sum += d * d;
         }
-        for (row, wanted) in query.modes.iter().enumerate() {
-            let mode = self.value(slot, self.reals + row);
-            sum += if mode == *wanted { 0.0 } else { query.penalty };
+        for row in self.reals..self.rows() {
+            let mode = self.value(slot, row);
+            sum += if mode == query.modes[row - self.reals] { 0.0 } else { query.penalty };
         }
         (0..query.differing).fold(sum, |sum, _| sum + query.penalty)
     }

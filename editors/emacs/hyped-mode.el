@@ -52,15 +52,15 @@
 
 (defconst hyped--reserved-words
   '("and" "or" "not" "in" "is" "as" "if" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic"
-    "clamp" "invariant" "group" "mode" "when" "envelope" "use" "spawn" "destroy" "entity" "behavior" "world" "import"
-    "const"))
+    "clamp" "invariant" "group" "mode" "when" "else" "envelope" "use" "spawn" "destroy" "entity" "behavior" "world"
+    "import" "const"))
 
 (defconst hyped--constants '("true" "false" "none"))
 
 (defconst hyped--variables '("self" "timer"))
 
 (defconst hyped--functions
-  '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "if" "pressed" "held" "released"
+  '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held" "released"
     "touching" "timer" "entering" "exiting" "lost" "near" "inside"))
 
 ;; Each is (BLOCK PIECE...): the kind of the enclosing block, or `any', and the pieces of a pattern whose groups are
@@ -138,7 +138,7 @@
 (defconst hyped--headers
   '(("world" . world) ("space" . space) ("tiles" . inner) ("place" . inner) ("map" . inner) ("envelope" . ramps)
     ("entity" . members) ("behavior" . members) ("group" . members) ("mode" . members) ("initial" . members)
-    ("when" . members) ("follow" . members)))
+    ("when" . members) ("else" . members) ("follow" . members)))
 
 (defun hyped--block (position)
   "The kind of the block around POSITION, or nil."

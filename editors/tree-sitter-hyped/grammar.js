@@ -48,7 +48,7 @@ module.exports = grammar({
     global: _ => [
       'and', 'or', 'not', 'in', 'is', 'as', 'if', 'true', 'false', 'none', 'self', 'timer',
       'param', 'continuous', 'discrete', 'ref', 'button', 'axis', 'collider', 'kinematic', 'clamp',
-      'invariant', 'group', 'mode', 'when', 'envelope', 'use', 'spawn', 'destroy',
+      'invariant', 'group', 'mode', 'when', 'else', 'envelope', 'use', 'spawn', 'destroy',
       'entity', 'behavior', 'world', 'import', 'const',
     ],
   },
@@ -129,10 +129,14 @@ module.exports = grammar({
     _guard: $ => seq('when', field('guard', $.expression)),
 
     flow: $ => seq(field('variable', alias($._member_variable, $.variable)), '=', field('value', $.expression)),
-    update: $ => seq(field('variable', alias($._member_variable, $.variable)), ':=', field('value', $.expression)),
+    update: $ => seq(
+      field('variable', alias($._member_variable, $.variable)),
+      choice(':=', '+=', '-='),
+      field('value', $.expression),
+    ),
 
-    edge: $ => seq($._guard, optional($._target)),
-    _edge_with_updates: $ => seq($._guard, optional($._target), field('updates', $.updates)),
+    edge: $ => seq(choice($._guard, 'else'), optional($._target)),
+    _edge_with_updates: $ => seq(choice($._guard, 'else'), optional($._target), field('updates', $.updates)),
     _target: $ => seq('->', field('target', $.path)),
     updates: $ => block($, [], [$.spawn, $.destroy, $.update]),
     spawn: $ => seq(

@@ -177,7 +177,11 @@ impl Reader<'_> {
                 Place::Discrete(discrete) => entity.discretes[discrete].name.clone(),
                 Place::Ref(reference) => entity.refs[reference].name.clone(),
             };
-            format!("{place} := {}", self.expr(update.value))
+            let value = self.expr(update.value);
+            // The value of `x += 1` is the whole of it.
+            let rest = value.strip_prefix(&place).map(str::trim_start);
+            let is_whole = rest.is_some_and(|rest| rest.starts_with("+=") || rest.starts_with("-="));
+            if is_whole { value } else { format!("{place} := {value}") }
         });
         let spawns =
             actions.spawns.iter().map(|&spawn| excerpt::on_one_line(self.sources.slice(self.spans.spawns[spawn])));

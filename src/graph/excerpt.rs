@@ -8,7 +8,8 @@ pub(super) fn on_one_line(text: &str) -> String {
 /// The guard and the updates of `when GUARD -> TARGET { UPDATES }`.
 pub(super) fn edge(text: &str) -> (String, Vec<String>) {
     let text = without_comments(text);
-    let text = text.trim().strip_prefix("when").unwrap_or(&text);
+    let text = text.trim();
+    let text = text.strip_prefix("when").unwrap_or(text);
     let guard_end = outside_quotes(text).find(|&(at, c)| c == '{' || text[at..].starts_with("->"));
     let guard = guard_end.and_then(|(at, _)| text.get(..at)).unwrap_or(text);
     let open = outside_quotes(text).find(|&(_, c)| c == '{').map(|(at, _)| at + 1);
@@ -33,7 +34,9 @@ fn statements(block: &str) -> Vec<String> {
     for pair in cuts.windows(2) {
         let [from, to] = pair else { continue };
         let piece = on_one_line(block.get(*from..to - 1).unwrap_or(""));
-        let begins = piece.contains(":=") || piece.starts_with("spawn ") || piece.starts_with("destroy ");
+        let begins = [":=", "+=", "-="].iter().any(|sign| piece.contains(sign))
+            || piece.starts_with("spawn ")
+            || piece.starts_with("destroy ");
         match out.last_mut() {
             // A long update continues on the next line.
             Some(last) if !begins && !piece.is_empty() => last.push_str(&format!(" {piece}")),

@@ -25,6 +25,21 @@ pub fn compare(op: CompareOp, a: f64, b: f64) -> bool {
     }
 }
 
+/// `a` less the whole multiple of `b` below it: from 0 to before `b`, whatever the sign of `a`.
+fn modulo(a: f64, b: f64) -> f64 {
+    // Exact, with the sign of `a`.
+    let rest = a % b;
+    if rest == 0.0 {
+        return 0.0;
+    }
+    if (rest < 0.0) == (b < 0.0) {
+        return rest;
+    }
+    let wrapped = rest + b;
+    // A tiny rest is lost in the sum.
+    if wrapped == b { 0.0 } else { wrapped }
+}
+
 /// A function of up to three numbers, `if` excepted.
 pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
     match function {
@@ -43,6 +58,7 @@ pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
         Function::Sin => libm::sin(a),
         Function::Cos => libm::cos(a),
         Function::Atan2 => libm::atan2(a, b),
+        Function::Mod => modulo(a, b),
         Function::If => {
             if a != 0.0 {
                 b

@@ -63,6 +63,8 @@ pub enum Function {
     Cos,
     /// `atan2(y, x)`: the angle of a direction, in radians.
     Atan2,
+    /// `mod(a, b)`: `a` less the whole multiple of `b` below it, from 0 to before `b`.
+    Mod,
     /// `if(condition, a, b)`
     If,
 }

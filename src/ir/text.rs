@@ -328,6 +328,7 @@ fn expression<'a>(
                 Function::Sin => ("sin", 1),
                 Function::Cos => ("cos", 1),
                 Function::Atan2 => ("atan2", 2),
+                Function::Mod => ("mod", 2),
             };
             let args: Vec<String> = args.iter().take(count).map(|&a| sub(a)).collect();
             format!("{name}({})", args.join(", "))

@@ -167,6 +167,9 @@ fn called(entity: &Entity, function: Function, arguments: &[Term], facts: &[Fact
         Function::Sqrt => Range::closed(0.0, f64::INFINITY),
         Function::Sin | Function::Cos => Range::closed(-1.0, 1.0),
         Function::Atan2 => Range::closed(-4.0, 4.0),
+        Function::Mod if b.low > 0.0 => Range { low: 0.0, high: b.high, above: false, below: true },
+        Function::Mod if b.high < 0.0 => Range { low: b.low, high: 0.0, above: true, below: false },
+        Function::Mod => Range::ALL,
         Function::If => b.or(c),
     }
 }

@@ -51,6 +51,7 @@ impl Checker<'_> {
             "sin" => (Function::Sin, "`sin(angle)`"),
             "cos" => (Function::Cos, "`cos(angle)`"),
             "atan2" => (Function::Atan2, "`atan2(y, x)`"),
+            "mod" => (Function::Mod, "`mod(a, b)`"),
             "if" => {
                 let [condition, a, b] = arguments else {
                     wrong(self, "`if(condition, a, b)`");
@@ -147,8 +148,8 @@ impl Checker<'_> {
             other => {
                 let known = [
                     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2",
-                    "if", "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near",
-                    "inside",
+                    "mod", "if", "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost",
+                    "near", "inside",
                 ];
                 let fact = unknown("function", other, function.span, known);
                 self.report_unknown(fact);
@@ -156,7 +157,7 @@ impl Checker<'_> {
             }
         };
         let count = match numeric {
-            Function::Min | Function::Max | Function::Atan2 => 2,
+            Function::Min | Function::Max | Function::Atan2 | Function::Mod => 2,
             Function::Clamp => 3,
             _ => 1,
         };

@@ -28,6 +28,9 @@ pub enum ConstantError {
     NotFinite(Span),
 }
 
+/// The constants that every program has, unless it declares others of these names.
+pub(super) const KNOWN_CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("tau", std::f64::consts::TAU)];
+
 /// The value of a term; truth values are 0 and 1.
 ///
 /// [`ConstantError`] if it reads something unknown, or has no finite value.

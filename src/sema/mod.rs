@@ -20,6 +20,7 @@ mod map;
 mod member;
 mod mode;
 mod names;
+mod operator;
 mod place;
 mod population;
 mod predicate;

@@ -1,22 +1,41 @@
 //! Modes: their tree, the look-up of a mode by path, edges and updates.
 
-use crate::ir::{EdgeId, GroupId, Id, MAX_MODES, ModeId, Place, RefId};
+use crate::ir::{Arithmetic, DiscreteId, EdgeId, Function, GroupId, Id, MAX_MODES, ModeId, Place, RefId, Subject};
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use crate::diagnostic::catalogue::names::{AmbiguousMode, DuplicateName};
 use crate::diagnostic::catalogue::structure::{EdgeOutOfGroup, IdleEdge, UpdateConflict};
+use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::source::Span;
-use crate::syntax::ast::{self, Initial, Member, PathRef, Word};
+use crate::syntax::ast::{self, BinaryOp, ExprKind, Initial, Member, PathRef, Word};
 use crate::syntax::occurrence::{NameKind, Role};
 
-use super::checked::{Action, Edge, Entity, Follow, Given, Mode, Term, Type, Update};
+use super::checked::{Action, Discrete, Edge, Entity, Follow, Given, Mode, Term, TermKind, Type, Update};
 use super::expression::{ReadLimit, Scope};
+use super::facts::Mark;
 use super::names::{Candidate, unknown};
 use super::reference::lost_by;
 use super::{Boxes, Checker};
+
+/// A variable plus or minus a number.
+fn adjusted(now: TermKind, ty: Type, operator: BinaryOp, by: Term, span: Span) -> Term {
+    let arithmetic = if operator == BinaryOp::Add { Arithmetic::Add } else { Arithmetic::Subtract };
+    let now = Term { kind: now, ty, span };
+    Term { kind: TermKind::Arithmetic(arithmetic, Box::new([now, by])), ty, span }
+}
+
+/// What an `else` negates.
+enum Otherwise {
+    /// There is no `when` before it.
+    None,
+    /// The guard of the `when`, with the references that it reads and that only an edge on `lost` covers.
+    Of(Term, Vec<RefId>),
+    /// A guard with an error.
+    Unreadable,
+}
 
 /// The mode names of an entity, for look-up by path.
 #[derive(Debug, Clone, Default)]
@@ -161,7 +180,11 @@ impl Checker<'_> {
         if let Initial::When(guard) = &syntax.initial {
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(ReadLimit::Params));
         }
-        for member in syntax.members {
+        let mut otherwise = Otherwise::None;
+        let mut members = syntax.members.into_iter().peekable();
+        while let Some(member) = members.next() {
+            let is_else = |next: &Member| matches!(next, Member::Edge(edge) if edge.guard.kind == ExprKind::Else);
+            let before = std::mem::replace(&mut otherwise, Otherwise::None);
             match member {
                 Member::Flow(flow) => {
                     if let Some(drive) = self.flow(&flow, scope) {
@@ -175,7 +198,14 @@ impl Checker<'_> {
                     self.action(&update, &scope, &mut entity.modes[id].entry);
                 }
                 Member::Edge(edge) => {
-                    if let Some((edge, tests)) = self.edge(*edge, id, scope) {
+                    let has_else = edge.guard.kind != ExprKind::Else && members.peek().is_some_and(is_else);
+                    let mark = self.facts.mark();
+                    let guard = self.edge_guard(&edge.guard, before, scope);
+                    if has_else {
+                        let negation = guard.clone().map(|when| (when, self.facts.needs.clone()));
+                        otherwise = negation.map_or(Otherwise::Unreadable, |(when, needs)| Otherwise::Of(when, needs));
+                    }
+                    if let Some((edge, tests)) = self.edge(*edge, (guard, mark), id, scope) {
                         let edge: EdgeId = entity.edges.push(edge);
                         entity.modes[id].edges.push(edge);
                         tested.push(tests);
@@ -193,16 +223,45 @@ impl Checker<'_> {
         self.update_conflicts(&entity.modes[id].entry, entity);
     }
 
-    /// An edge, and the references that its guard tests.
-    fn edge(&mut self, edge: ast::Edge, source: ModeId, scope: &Scope<'_>) -> Option<(Edge, Vec<RefId>)> {
+    /// The guard of an edge: that of its `when`, or for `else` the negation of `before`, with the references that it
+    /// reads and that only an edge on `lost` covers.
+    fn edge_guard(&mut self, guard: &ast::Expr, before: Otherwise, scope: &Scope<'_>) -> Option<Term> {
+        self.facts.needs.clear();
+        if guard.kind != ExprKind::Else {
+            self.facts.bindable = true;
+            let checked = self.guard(guard, scope);
+            self.facts.bindable = false;
+            return checked;
+        }
+        match before {
+            Otherwise::Of(when, needs) => {
+                self.facts.needs = needs;
+                Some(Term { kind: TermKind::Not(Box::new(when)), ty: Type::Bool, span: guard.span })
+            }
+            Otherwise::Unreadable => None,
+            Otherwise::None => {
+                self.diagnostics.report(Misplaced {
+                    at: guard.span,
+                    what: "`else`",
+                    inside: "a mode without a `when` before it",
+                    belongs: "directly after the `when` that it is the other case of",
+                });
+                None
+            }
+        }
+    }
+
+    /// An edge with its guard, and the references that the guard tests. What was learned since the mark is forgotten.
+    fn edge(
+        &mut self,
+        edge: ast::Edge,
+        (guard, mark): (Option<Term>, Mark),
+        source: ModeId,
+        scope: &Scope<'_>,
+    ) -> Option<(Edge, Vec<RefId>)> {
         let names = scope.names?;
         let entity = scope.entity?;
         let group = entity.modes[source].group;
-        let mark = self.facts.mark();
-        self.facts.needs.clear();
-        self.facts.bindable = true;
-        let guard = self.guard(&edge.guard, scope);
-        self.facts.bindable = false;
         if let Some(guard) = &guard {
             self.facts.learn(guard, true);
         }
@@ -289,7 +348,36 @@ impl Checker<'_> {
         before.extend(action);
     }
 
-    /// `y' := e`, `keys := keys + 1`
+    /// The value of `keys += e`: it stops at the ends of the range.
+    fn adjusted_count(
+        &mut self,
+        update: &ast::Assignment,
+        operator: BinaryOp,
+        (id, discrete): (DiscreteId, &Discrete),
+        scope: &Scope<'_>,
+    ) -> Option<Term> {
+        if discrete.ty != Type::Int {
+            self.not_adjustable(update, "a value that is no number");
+            return None;
+        }
+        let ((low, high), span) = (discrete.range, update.span());
+        let by = self.typed(&update.value, scope, &Type::Int)?;
+        let sum = adjusted(TermKind::Discrete(Subject::Me, id), Type::Int, operator, by, span);
+        let end = |at: i32| Term { kind: TermKind::Number(f64::from(at)), ty: Type::Int, span };
+        let kind = TermKind::Call(Box::new((Function::Clamp, [sum, end(low), end(high)].into())));
+        Some(Term { kind, ty: Type::Int, span })
+    }
+
+    fn not_adjustable(&mut self, update: &ast::Assignment, found: &str) {
+        self.diagnostics.report(TypeMismatch {
+            at: update.variable.span,
+            found: found.into(),
+            expected: "a number".into(),
+            help: Some("`+=` and `-=` change numbers; `:=` sets any value".into()),
+        });
+    }
+
+    /// `y' := e`, `keys += 1`
     fn update(&mut self, update: &ast::Assignment, scope: &Scope<'_>) -> Option<Update> {
         let names = scope.names?;
         let name = &update.variable.name();
@@ -299,12 +387,19 @@ impl Checker<'_> {
             }
             self.unprimed(&update.variable.path())?;
             let discrete = scope.entity?.discretes[id].clone();
-            let value = self.typed(&update.value, scope, &discrete.ty)?;
+            let value = match update.operator {
+                Some(operator) => self.adjusted_count(update, operator, (id, &discrete), scope)?,
+                None => self.typed(&update.value, scope, &discrete.ty)?,
+            };
             self.certainly_in_range(&value, &discrete);
             return Some(Update { place: Place::Discrete(id), value, span: update.span() });
         }
         if let Some(&id) = names.refs.get(&name.text) {
             self.reference_place(&update.variable, scope)?;
+            if update.operator.is_some() {
+                self.not_adjustable(update, "a reference");
+                return None;
+            }
             let ty = Type::reference(scope.entity?.refs[id].entity);
             let value: Term = self.typed(&update.value, scope, &ty)?;
             return Some(Update { place: Place::Ref(id), value, span: update.span() });
@@ -314,7 +409,11 @@ impl Checker<'_> {
                 self.record_value_use(entity, Given::Var(var, 0), name.span, Role::Written);
             }
             let degree = self.primes(&update.variable);
-            let value = self.number(&update.value, scope)?;
+            let mut value = self.number(&update.value, scope)?;
+            if let Some(operator) = update.operator {
+                let now = TermKind::Var(Subject::Me, var, degree?);
+                value = adjusted(now, Type::Real, operator, value, update.span());
+            }
             return Some(Update { place: Place::Var(var, degree?), value, span: update.span() });
         }
         if names.params.get(&name.text).is_some() {

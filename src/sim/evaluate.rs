@@ -195,6 +195,10 @@ impl<'a> Reader<'a> {
             Expr::Call(Function::If, [condition, a, b]) => self.number(if self.truth(condition) { a } else { b }),
             Expr::Call(function, [a, b, c]) => {
                 let (a, b, c) = (self.number(a), self.number(b), self.number(c));
+                if function == Function::Mod && b == 0.0 {
+                    self.note(FaultKind::DivisionByZero(id, a));
+                    return 0.0;
+                }
                 self.checked(id, call(function, [a, b, c]), [a, b])
             }
             Expr::Bool(_)

@@ -286,7 +286,7 @@ pub struct Mode {
     pub span: Span,
 }
 
-/// `variable = value` or `variable := value`
+/// `variable = value`, `variable := value`, `variable += value` or `variable -= value`
 #[derive(Clone, PartialEq)]
 pub struct Assignment {
     /// The left side.
@@ -295,12 +295,14 @@ pub struct Assignment {
     pub value: Expr,
     /// Its end; it starts with the variable.
     end: u32,
+    /// The operator of `+=` and `-=`.
+    pub operator: Option<BinaryOp>,
 }
 
 impl Assignment {
     /// An assignment from its variable to the end of `span`.
     pub fn new(variable: Variable, value: Expr, span: Span) -> Self {
-        Assignment { variable, value, end: span.end() }
+        Assignment { variable, value, end: span.end(), operator: None }
     }
 
     /// The whole.
@@ -312,7 +314,8 @@ impl Assignment {
 impl fmt::Debug for Assignment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut parts = f.debug_struct("Assignment");
-        parts.field("variable", &self.variable).field("value", &self.value).field("span", &self.span()).finish()
+        parts.field("variable", &self.variable).field("operator", &self.operator);
+        parts.field("value", &self.value).field("span", &self.span()).finish()
     }
 }
 
@@ -352,7 +355,7 @@ pub struct Destroy {
 /// `when guard -> target { updates }`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edge {
-    /// When it is taken.
+    /// When it is taken; [`ExprKind::Else`] for `else`.
     pub guard: Expr,
     /// The target mode; `None` for an internal edge.
     pub target: Option<Path>,
@@ -534,4 +537,6 @@ pub enum ExprKind {
     Is(Box<(Expr, Option<Name>)>),
     /// `a touching tag`
     Touching(Box<(Expr, Name)>),
+    /// `else`, the guard of an edge: the negation of the one before in the same mode.
+    Else,
 }

@@ -14,9 +14,9 @@ use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Behavior, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete, Domain, Edge, Entity,
-    Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path, Ramp,
-    RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
+    Assignment, Behavior, BinaryOp, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete, Domain, Edge,
+    Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path,
+    Ramp, RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
@@ -328,7 +328,10 @@ impl<'a> Builder<'a> {
             }
             Rule::edge_head => {
                 let inner = parts(pair);
-                let guard = inner.first().and_then(|guard| self.expression(guard));
+                let guard = inner.first().and_then(|guard| match guard.as_rule() {
+                    Rule::kw_else => Some(Expr { kind: ExprKind::Else, span: self.span_of(guard) }),
+                    _ => self.expression(guard),
+                });
                 let mut target = None;
                 let mut is_read = guard.is_some();
                 if let Some(leads) = inner.iter().find(|p| p.as_rule() == Rule::target) {
@@ -390,12 +393,12 @@ impl<'a> Builder<'a> {
                 Member::Collider(Collider { kinematic, tags, shape, arguments, guard, span }.into())
             }
             Rule::assignment => {
-                let becomes = inner.get(1)?.as_rule() == Rule::becomes;
+                let is_flow = inner.get(1)?.as_rule() == Rule::assign;
                 let assignment = self.assignment(pair)?;
-                if becomes {
-                    Member::Entry(Update::Assign(assignment.into()).into())
-                } else {
+                if is_flow {
                     Member::Flow(assignment.into())
+                } else {
+                    Member::Entry(Update::Assign(assignment.into()).into())
                 }
             }
             Rule::spawn | Rule::destroy => Member::Entry(self.update(pair)?.into()),
@@ -518,11 +521,18 @@ impl<'a> Builder<'a> {
         parts(pair).iter().map(|actual| self.assignment(actual)).collect()
     }
 
-    /// `variable = value` or `variable := value`.
+    /// `variable = value`, `variable := value`, `variable += value` or `variable -= value`.
     pub fn assignment(&mut self, pair: &Pair<'_, Rule>) -> Option<Assignment> {
         let inner = parts(pair);
         let variable = self.variable(inner.first()?)?;
-        Some(Assignment::new(variable, self.expression(inner.get(2)?)?, self.span_of(pair)))
+        let operator = match inner.get(1)?.as_rule() {
+            Rule::increase => Some(BinaryOp::Add),
+            Rule::decrease => Some(BinaryOp::Subtract),
+            _ => None,
+        };
+        let mut assignment = Assignment::new(variable, self.expression(inner.get(2)?)?, self.span_of(pair));
+        assignment.operator = operator;
+        Some(assignment)
     }
 
     fn envelope(&mut self, pair: &Pair<'_, Rule>) -> Option<Envelope> {

@@ -69,9 +69,9 @@ const MEMBERS: &[ForeignWords] = &[
         "what a player presses is a `button`, what a player moves between -1 and 1 an `axis`",
     ),
     (
-        &["else", "elif", "otherwise"],
+        &["elif", "elseif", "otherwise"],
         None,
-        "edges are tried from the top; for the other case write another `when` after the first",
+        "edges are tried from the top; for another case write another `when` after the first, for all others `else`",
     ),
     (&["wait", "after", "delay", "every"], None, "`timer` counts the seconds in a mode: `when timer >= 2 -> MODE`"),
     (
@@ -216,9 +216,16 @@ fn update(failed: &Failure<'_>) -> Option<LikelyFix> {
             return Some(LikelyFix::new(help));
         }
         let is_sum = value.trim_start_matches('-').contains(['+', '-', '*', '/', ' ']);
-        let value = if is_sum && sign != '+' { format!("({value})") } else { value.to_string() };
-        let text = format!(":= {target} {sign} {value}");
-        let help = format!("an update names the new value: `{target} {text}`");
+        let (text, help) = if "+-".contains(sign) {
+            let text = format!("{sign}= {value}");
+            let help = format!("an update by one is `{target} {text}`");
+            (text, help)
+        } else {
+            let value = if is_sum { format!("({value})") } else { value.to_string() };
+            let text = format!(":= {target} {sign} {value}");
+            let help = format!("an update names the new value: `{target} {text}`");
+            (text, help)
+        };
         let (range, text) = failed.to_the_end(&text);
         return Some(LikelyFix::replacement(help, range, text));
     }

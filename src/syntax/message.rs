@@ -235,6 +235,8 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         R::colon | R::annotation => "`:`",
         R::assign => "`=`",
         R::becomes => "`:=`",
+        R::increase => "`+=`",
+        R::decrease => "`-=`",
         R::arrow | R::target => "`->`",
         R::range => "`..`",
         R::domain | R::int_domain | R::set_domain | R::bool_domain => "`int LOW..HIGH`, `bool` or `{a, b, c}`",

@@ -158,7 +158,8 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "never",
         "map",
     ];
-    const OTHER: &[&str] = &["when", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];
+    const OTHER: &[&str] =
+        &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];
     let mut declaring = false;
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut first = true;

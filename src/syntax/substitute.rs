@@ -250,6 +250,7 @@ impl Substitution {
             | ExprKind::SelfRef
             | ExprKind::Timer
             | ExprKind::Text(_)
+            | ExprKind::Else
             | ExprKind::Name(..)
             | ExprKind::Path(_) => {}
             ExprKind::Call(call) => {

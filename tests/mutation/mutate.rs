@@ -201,6 +201,7 @@ const WORDS: &[&str] = &[
     "sin",
     "cos",
     "atan2",
+    "mod",
     "if",
 ];
 

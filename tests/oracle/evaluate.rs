@@ -92,8 +92,11 @@ impl<'a> Code<'a> {
                     let branch = if self.holds(&arguments[0])? { 1 } else { 2 };
                     return self.value(&arguments[branch]);
                 }
-                let values: Result<Vec<f64>, Fault> = arguments.iter().map(|a| self.value(a)).collect();
-                call(*function, &values?)
+                let values: Vec<f64> = arguments.iter().map(|a| self.value(a)).collect::<Result<_, Fault>>()?;
+                if *function == Function::Mod && values[1] == 0.0 {
+                    return Err(Fault::DivisionByZero);
+                }
+                call(*function, &values)
             }
             TermKind::Compare(op, sides) => {
                 let [a, b] = sides.as_ref();
@@ -190,6 +193,12 @@ fn call(function: Function, arguments: &[f64]) -> f64 {
         (Function::Sin, &[a]) => libm::sin(a),
         (Function::Cos, &[a]) => libm::cos(a),
         (Function::Atan2, &[y, x]) => libm::atan2(y, x),
+        (Function::Mod, &[a, b]) => {
+            // From 0 to before `b`, for an `a` of either sign.
+            let rest = a % b;
+            let inside = if rest != 0.0 && rest.signum() != b.signum() { rest + b } else { rest };
+            if inside == b || inside == 0.0 { 0.0 } else { inside }
+        }
         other => panic!("{other:?}"),
     }
 }

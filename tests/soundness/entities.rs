@@ -292,13 +292,22 @@ impl Generator<'_> {
         } else {
             (self.guard(), None)
         };
+        if self.edge_on(&format!("when {guard}"), named, siblings) && self.draw.chance(20) {
+            self.edge_on("else", None, siblings);
+        }
+    }
+
+    /// Writes an edge unless it would do nothing; returns whether it was written.
+    fn edge_on(&mut self, guard: &str, named: Option<Option<usize>>, siblings: &[String]) -> bool {
         let target = match self.draw.chance(65) {
             true => format!(" -> {}", siblings[self.draw.pick(siblings.len())]),
             false => String::new(),
         };
         let updates = self.updates(named, 3);
-        if !target.is_empty() || !updates.is_empty() {
-            self.line(format!("when {guard}{target} {updates}"));
+        let does_something = !target.is_empty() || !updates.is_empty();
+        if does_something {
+            self.line(format!("{guard}{target} {updates}"));
         }
+        does_something
     }
 }

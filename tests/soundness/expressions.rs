@@ -111,7 +111,7 @@ impl Generator<'_> {
             Dim::Time => "delay",
             Dim::Pure => "1",
         };
-        match self.draw.pick(14) {
+        match self.draw.pick(15) {
             0 => format!("({a} + {})", self.value(dim)),
             1 => format!("({a} - {})", self.value(dim)),
             2 => format!("min({a}, {})", self.value(dim)),
@@ -122,12 +122,13 @@ impl Generator<'_> {
             8 => format!("-({a})"),
             9 => {
                 let angle = self.ratio();
-                let turn = self.draw.one(&["sin", "cos", "sign", "floor", "ceil", "round"]);
+                let turn = self.draw.one(&["sin", "cos", "sign", "floor", "ceil", "round", "round"]);
                 format!("({a} + {known} * {turn}({angle}))")
             }
             10 => {
                 let angle = self.ratio();
-                format!("({known} * sqrt(abs({angle})))")
+                let size = if self.draw.chance(15) { "" } else { "abs" };
+                format!("({known} * sqrt({size}({angle})))")
             }
             11 => {
                 let (y, x) = (self.axes.read("", "y"), self.axes.read("", "x"));
@@ -136,6 +137,7 @@ impl Generator<'_> {
                     _ => format!("({known} * atan2({y}, {x}))"),
                 }
             }
+            13 => format!("mod({a}, {})", self.draw.one(&[&format!("2 * {known}"), known, &format!("(-3 * {known})")])),
             // Numbers alone would have no dimension.
             12 => format!("({a} + {known}) * {}", self.draw.one(&["n", "0.5", "2"])),
             _ => format!("({a} - {known}) / {}", self.draw.one(&["2", "(1 + abs(n))", "max(n, 1)", "n"])),

@@ -249,6 +249,7 @@ fn function_name(function: Function) -> &'static str {
         Function::Sin => "sin",
         Function::Cos => "cos",
         Function::Atan2 => "atan2",
+        Function::Mod => "mod",
         Function::If => "if",
     }
 }

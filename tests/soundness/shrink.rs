@@ -210,7 +210,8 @@ fn simpler(line: &str) -> Vec<String> {
     if let Some(start) = line.find(" when ").filter(|_| !line.starts_with("when")) {
         add(start, line.len(), if line.ends_with('{') { " {" } else { "" });
     }
-    if let Some(start) = line.find(" -> ").filter(|_| line.starts_with("when")) {
+    let is_edge = line.starts_with("when") || line.starts_with("else");
+    if let Some(start) = line.find(" -> ").filter(|_| is_edge) {
         add(start, line.len(), if line.ends_with('{') { " {" } else { "" });
     }
     if line.starts_with("when ") {

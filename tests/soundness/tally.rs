@@ -231,6 +231,14 @@ impl Tally {
         }
     }
 
+    fn note_else(&self, sim: &Simulator, edge: &hypedc::ir::Edge) {
+        let guard = sim.program().spans.exprs[edge.guard].range();
+        // A negation that is written in a word.
+        if matches!(sim.program().exprs[edge.guard], Expr::Not(_)) && guard.len() == "else".len() {
+            self.note("an edge by else");
+        }
+    }
+
     fn watch_edges(&self, sim: &Simulator, before: &[u8], input: &Input, slot: SlotId, after: &[u8]) {
         let world = sim.world();
         let entity = &sim.program().entities[world.slots[slot].entity];
@@ -247,6 +255,7 @@ impl Tally {
                 let is_set = entity.edges[edge].needs.iter().all(|r| layout.reference(before, *r).is_some());
                 if is_set && eye.truth(entity.edges[edge].guard) == Some(true) {
                     self.note("an edge without a target");
+                    self.note_else(sim, &entity.edges[edge]);
                     self.watch_actions(sim, slot, &entity.edges[edge].actions);
                 }
             }
@@ -254,6 +263,7 @@ impl Tally {
                 let source = entity.edges[edge].source;
                 let is_around = target <= source && source < entity.modes[target].end;
                 self.note(if is_around { "an edge that starts a mode anew" } else { "an edge" });
+                self.note_else(sim, &entity.edges[edge]);
                 let modes = &entity.modes;
                 if modes[target].chooses || modes[target].inner.is_some() {
                     self.note("an edge into a mode with modes");
@@ -568,8 +578,10 @@ const EVENTS: &[&str] = &[
     "sin",
     "cos",
     "atan2",
+    "mod",
     "an edge",
     "an edge without a target",
+    "an edge by else",
     "an edge that starts a mode anew",
     "an edge into a mode with modes",
     "an entry update",

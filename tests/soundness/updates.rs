@@ -48,7 +48,11 @@ impl Generator<'_> {
         let update = match place {
             "count" => {
                 let value = self.draw.one(&["min(count + 1, 3)", "max(count - 1, 0)", "0", "3 - count", "count + 1"]);
-                format!("count := {value}")
+                match self.draw.pick(4) {
+                    0 => "count += 1".to_string(),
+                    1 => format!("count -= {}", self.draw.one(&["1", "2", "-1"])),
+                    _ => format!("count := {value}"),
+                }
             }
             "x'" | "y'" | "q'" => {
                 let value = match self.draw.chance(25) {
@@ -57,6 +61,7 @@ impl Generator<'_> {
                 };
                 set(self, value)
             }
+            "q" if self.draw.chance(30) => format!("q += {}", self.number(Dim::Length)),
             "x" | "y" if self.draw.chance(60) => {
                 let by = self.number(Dim::Length);
                 let value = format!("{} + {by}", self.axes.read("", place));

@@ -1,8 +1,8 @@
 // The external scanner, for tokens that depend on context: line breaks that end statements, and rows of inline maps.
 //
-// A line break ends a statement unless the next line continues it with `and`, `or`, `->` or `{`, none of which can
-// start a statement. Inside parentheses, and after an operator or a comma, the parser does not accept this token. The
-// scanner has no state.
+// A line break ends a statement unless the next line continues it with an operator, `->` or `{`, none of which can start
+// a statement. Inside parentheses, and after an operator or a comma, the parser does not accept this token. The scanner
+// has no state.
 
 #include "tree_sitter/parser.h"
 
@@ -37,12 +37,13 @@ static bool goes_on(TSLexer *lexer) {
         while (is_blank(lexer->lookahead) || is_break(lexer->lookahead)) lexer->advance(lexer, false);
         if (lexer->lookahead != '/') break;
         lexer->advance(lexer, false);
-        if (lexer->lookahead != '/') return false;
+        if (lexer->lookahead != '/') return true;
         to_end_of_line(lexer);
     }
     switch (lexer->lookahead) {
         case '{': return true;
-        case '-': lexer->advance(lexer, false); return lexer->lookahead == '>';
+        case '+': case '-': case '*': case '<': case '>': return true;
+        case '=': case '!': lexer->advance(lexer, false); return lexer->lookahead == '=';
         case 'a': return is_word(lexer, "and");
         case 'o': return is_word(lexer, "or");
         default: return false;

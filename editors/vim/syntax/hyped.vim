@@ -15,17 +15,17 @@ syn keyword hypedOperatorWord and or not in is as
 syn keyword hypedBoolean true false
 syn keyword hypedConstant none
 syn keyword hypedVariable self timer
-syn keyword hypedConditional when if
+syn keyword hypedConditional when if else
 syn keyword hypedStatement destroy invariant clamp
 syn keyword hypedStatement use spawn nextgroup=hypedType skipwhite
-syn match hypedFunction /\<\%(min\|max\|abs\|sign\|floor\|ceil\|round\|sqrt\|sin\|cos\|atan2\)\>\ze\s*(/
+syn match hypedFunction /\<\%(min\|max\|abs\|sign\|floor\|ceil\|round\|sqrt\|sin\|cos\|atan2\|mod\)\>\ze\s*(/
 syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\)\>\ze\s*(/
 syn match hypedOperatorWord /\<any\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\)\>\)\@!\K/ nextgroup=hypedType skipwhite
 syn match hypedOperatorWord /\%([[:keyword:])']\s\+\)\@<=touching\>\ze\s*\%("\|\s\%(and\|or\|not\|in\|is\|as\|when\|mode\)\@!\K\)/
 syn match hypedType /\%(\%(self\|when\)\>\)\@!\<\K\k*/ contained
 syn match hypedPrimes /\k\@1<='\+/
 syn match hypedNumber /\<\d\+\%(\.\d\+\)\?\%(frames\|ms\|s\)\?\>/
-syn match hypedOperator /->\|:=\|[-+*^]\|[<>=!]=\?\|\.\./
+syn match hypedOperator /->\|[-+:]=\|[-+*^]\|[<>=!]=\?\|\.\./
 syn match hypedOperator ,/\@1<!//\@!,
 syn match hypedString /"[^"]*"/
 syn match hypedComment ,//.*$, contains=hypedTodo,@Spell

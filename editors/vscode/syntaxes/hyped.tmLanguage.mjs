@@ -24,7 +24,7 @@ const BEFORE_OPERAND = r`(?=\s+[\p{L}\p{N}_(-])`;
 /** A tag, and a name that is no keyword which can follow an operand. */
 const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|clamp)\b)${NAME}`;
 const FREE = r`(?!touching\b)${TAG}`;
-const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|pressed|held|released|touching|entering|exiting|lost|near|inside|clamp|if|timer';
+const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
 const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|goal|never)\b`;
 
@@ -110,7 +110,7 @@ const repository = {
       groups(r`\b(follow)\s+(links)\b(?!\s*(?:'|:?=))`, 'keyword.control', 'keyword.control'),
       groups(r`\b(use)\s+(${NAME})`, 'keyword.control', 'entity.name.function'),
       groups(r`\b(spawn)\s+(${NAME})`, 'keyword.control', 'entity.name.type'),
-      groups(r`\b(when)\b`, 'keyword.control'),
+      groups(r`\b(when|else)\b`, 'keyword.control'),
       groups(r`\b(invariant|clamp(?!\s*\()|use|spawn|destroy)\b`, 'keyword.control'),
       groups(r`(->)\s*(${NAME}(?:\.${NAME})*)`, 'keyword.operator.arrow', 'entity.name.label'),
     ],
@@ -235,7 +235,7 @@ const repository = {
       groups(r`(\.)(${NAME})('*)`, 'punctuation.accessor', 'variable.other.member', 'keyword.operator.prime'),
       groups(r`(${NAME})('*)`, 'variable.other', 'keyword.operator.prime'),
       all('->', 'keyword.operator.arrow'),
-      all(':=|=(?!=)', 'keyword.operator.assignment'),
+      all('[:+-]=|=(?!=)', 'keyword.operator.assignment'),
       all('==|!=|<=|>=|<|>', 'keyword.operator.comparison'),
       all(r`\.\.`, 'keyword.operator.range'),
       all('[-+*/^]', 'keyword.operator.arithmetic'),

@@ -52,7 +52,9 @@ pub(super) fn add(
             let (low, high) = (f64::from(variable.range.0), f64::from(variable.range.1));
             // An infinite end is no sign of a mistake.
             let leaves = |x: f64| x.is_finite() && !(low..=high).contains(&x);
-            let Some(hull) = value.hull().filter(|h| leaves(h.low) || leaves(h.high)) else { continue };
+            // Of an expression over whole numbers only these matter.
+            let whole = value.hull().map(|h| Interval { low: h.low.ceil(), high: h.high.floor() });
+            let Some(hull) = whole.filter(|h| leaves(h.low) || leaves(h.high)) else { continue };
             if context.reported.of(&[Code::MayLeaveRange], context.program.spans.exprs[update.value], context.sources) {
                 continue;
             }

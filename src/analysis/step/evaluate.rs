@@ -279,6 +279,7 @@ impl<'a> Reader<'a> {
                 None => within(-1.0, 1.0),
             },
             Function::Atan2 => within(-4.0, 4.0),
+            Function::Mod => a.pairs(&b, modulo),
             Function::If => Values::all(),
         }
     }
@@ -473,6 +474,26 @@ pub(in crate::analysis) fn restrict_by(values: &Values, op: CompareOp, with: &Va
         CompareOp::Greater => values.within(Interval { low: more, high: f64::INFINITY }),
         CompareOp::AtLeast => values.within(Interval { low: hull.low, high: f64::INFINITY }),
     }
+}
+
+/// The values of `mod(a, b)`.
+fn modulo(a: Interval, b: Interval) -> Interval {
+    // Before `b`: of whole numbers, one less.
+    let all = Interval { low: b.low.next_up().min(0.0), high: b.high.next_down().max(0.0) };
+    let period = b.low;
+    let is_within_period = a.high - a.low < period.abs();
+    if !b.is_point() || !is_within_period {
+        return all;
+    }
+    let of = |x: f64| call(Function::Mod, [x, period, 0.0]);
+    let ends = Interval { low: of(a.low), high: of(a.high) };
+    if a.is_point() {
+        return ends;
+    }
+    // The remainders of numbers of one sign are exact and grow within a period, so that both ends are in one.
+    let is_one_sign = (a.low >= 0.0 || a.high < 0.0) && period > 0.0;
+    let grows = a.low % period <= a.high % period && (a.high >= 0.0 || a.high % period != 0.0);
+    if is_one_sign && grows && ends.low <= ends.high { ends } else { all }
 }
 
 fn compare_values(op: CompareOp, a: &Values, b: &Values) -> Truth {

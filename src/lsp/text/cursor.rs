@@ -149,7 +149,24 @@ impl<'t> CursorContext<'t> {
             }
             _ if token.kind == Kind::Newline => {
                 let continues = self.statement.last().is_some_and(|last| {
-                    matches!(*last, "and" | "or" | "not" | "," | "+" | "-" | "*" | "/" | "<" | ">" | "=" | ":=" | "->")
+                    matches!(
+                        *last,
+                        "and"
+                            | "or"
+                            | "not"
+                            | ","
+                            | "+"
+                            | "-"
+                            | "*"
+                            | "/"
+                            | "<"
+                            | ">"
+                            | "="
+                            | ":="
+                            | "+="
+                            | "-="
+                            | "->"
+                    )
                 });
                 if brackets.is_empty() && !continues {
                     self.statement.clear();
@@ -205,7 +222,7 @@ fn block_of_head<'t>(head: &[&'t str], outer: Option<Block>) -> (Block, &'t str)
         ("world", _) => (Block::World, word(1)),
         ("group", _) => (Block::Group, word(1)),
         ("mode" | "initial", _) => (Block::Mode, after("mode")),
-        ("when" | "follow" | "->" | "and" | "or", _) => (Block::Updates, ""),
+        ("when" | "else" | "follow" | "->" | "and" | "or", _) => (Block::Updates, ""),
         ("envelope", _) => (Block::Envelope, ""),
         ("tiles", Some(Block::World)) => (Block::Tiles, word(1)),
         ("space", Some(Block::World)) => (Block::Space, word(1)),

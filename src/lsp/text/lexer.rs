@@ -76,7 +76,8 @@ pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
             c if starts_name(c) => (Kind::Word, while_all(&continues_name)),
             c if c.is_ascii_digit() => (Kind::Number, number(rest)),
             _ => {
-                let two = [":=", "->", "==", "!=", "<=", ">=", ".."].iter().find(|op| rest.starts_with(**op));
+                let two =
+                    [":=", "+=", "-=", "->", "==", "!=", "<=", ">=", ".."].iter().find(|op| rest.starts_with(**op));
                 (Kind::Symbol, two.map_or(first.len_utf8(), |op| op.len()))
             }
         };

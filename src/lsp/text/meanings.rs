@@ -126,6 +126,11 @@ const MEANINGS: &[Meaning] = &[
         "when pressed(jump) and touching(wall, below) -> air { y' := 160 }",
     ),
     means(
+        "else",
+        "An edge for the other case: its guard is the negation of that of the `when` before it in the same mode.",
+        "when held(jump) { y' := 160 }\nelse -> waiting",
+    ),
+    means(
         "follow",
         "While this mode is active, the instance goes through a link in whose rectangle it is. The updates run as it does.",
         "follow links when held(up) { doors := doors + 1 }",

@@ -84,6 +84,7 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
                 &[]
             }
         }
+        ("else", _) => &[],
         ("when" | "and" | "or", _) if has("->") => &[],
         ("when" | "and" | "or" | "while" | "invariant" | "collider" | "kinematic" | "follow" | "initial", _) => joined,
         _ => &[],

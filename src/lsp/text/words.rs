@@ -17,8 +17,9 @@ pub(in crate::lsp) fn is_keyword(word: &str) -> bool {
 
 /// The names of all functions.
 pub(in crate::lsp) const FUNCTIONS: &[&str] = &[
-    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "if", "pressed",
-    "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "rect", "circle",
+    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "mod", "if",
+    "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "rect",
+    "circle",
 ];
 
 /// A signature of a function.
@@ -42,6 +43,11 @@ pub(in crate::lsp) const SIGNATURES: &[Signature] = &[
     Signature { name: "sin", parameters: &["angle"], doc: "The sine of an angle in radians." },
     Signature { name: "cos", parameters: &["angle"], doc: "The cosine of an angle in radians." },
     Signature { name: "atan2", parameters: &["y", "x"], doc: "The angle of a direction, in radians." },
+    Signature {
+        name: "mod",
+        parameters: &["a", "b"],
+        doc: "`a` less the whole multiple of `b` below it: from 0 to before `b`.",
+    },
     Signature { name: "if", parameters: &["condition", "a", "b"], doc: "`a` if the condition holds, else `b`." },
     Signature { name: "pressed", parameters: &["button"], doc: "The button went down at this step." },
     Signature { name: "held", parameters: &["button"], doc: "The button is down." },
@@ -121,7 +127,7 @@ const IN_ENTITIES: &[&str] = &[
     "envelope",
     "use",
 ];
-const IN_MODES: &[&str] = &["mode", "initial", "when", "envelope", "follow", "spawn", "destroy", "use"];
+const IN_MODES: &[&str] = &["mode", "initial", "when", "else", "envelope", "follow", "spawn", "destroy", "use"];
 
 /// The keywords and snippets that can start a statement in a block, or at the top level.
 pub(in crate::lsp) fn statement_starts(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {

@@ -46,7 +46,7 @@
 (call function: (identifier) @function.call)
 ((call function: (identifier) @function.builtin)
   (#any-of? @function.builtin
-    "min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "if" "pressed" "held"
+    "min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held"
     "released" "touching" "timer" "entering" "exiting" "lost" "near" "inside"))
 (timer) @variable.builtin
 (self) @variable.builtin
@@ -85,11 +85,11 @@
 ] @keyword
 [(instant) (hold)] @keyword
 ["block" "sense" "keep" "velocity" "carry"] @keyword.modifier
-["when" "while"] @keyword.conditional
+["when" "else" "while"] @keyword.conditional
 ["and" "or" "not" "in" "is" "as" "any" "touching"] @keyword.operator
 
 ; ---- signs
 
-["=" ":=" "->" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "^" ".."] @operator
+["=" ":=" "+=" "-=" "->" "==" "!=" "<" "<=" ">" ">=" "+" "-" "*" "/" "^" ".."] @operator
 ["{" "}" "(" ")"] @punctuation.bracket
 ["," ":" ";" "."] @punctuation.delimiter

@@ -250,6 +250,12 @@ impl Parser<'_> {
                 self.report(from, to, why, None);
                 return None;
             }
+            Target::Axis(_, Some(end)) => {
+                let why = format!("`{name}` is a direction and takes no value");
+                let axis = DIRECTIONS.iter().find(|(word, ..)| *word == name).map_or("", |(_, axis, _)| axis);
+                self.report(from, to, why, Some(format!("write `{name}`, or `{axis}={}`", end / 2.0)));
+                return None;
+            }
             Target::Axis(..) => {
                 let why = format!("`{name}` is an axis and needs one value");
                 self.report(from, to, why, Some(format!("write `{name}=-1`, or any value to 1")));

@@ -11,7 +11,7 @@ use crate::sema::checked::{
     Checked, CollideRule, Entity, Instance, LevelName, Shape, Solid, Space, TermKind, Touching, World,
 };
 use crate::sema::{ConstantContext, evaluate, side_meant};
-use crate::source::Span;
+use crate::source::{FileId, Span};
 
 use super::terms;
 
@@ -50,23 +50,34 @@ fn requested(checked: &Checked) -> BTreeSet<TagId> {
     requested
 }
 
-/// Reports tags that are queried but that nothing in the program has; returns the similar tags that it names.
-pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) -> BTreeSet<String> {
-    let mut named = BTreeSet::new();
-    // The tags of an open map are unknown.
-    if checked.worlds.is_empty() || checked.worlds.iter().any(|w| w.open.is_some()) {
-        return named;
+/// The last tags of contact queries with two tags, each with the entity's own tag if one of its colliders carries it.
+fn last_tags(checked: &Checked) -> BTreeMap<TagId, Option<TagId>> {
+    let mut last = BTreeMap::new();
+    for entity in checked.entities.iter() {
+        for ((mine, other), _) in contact_queries(entity) {
+            let Some(mine) = mine else { continue };
+            let is_own = entity.colliders.iter().any(|collider| collider.tags.contains(&mine));
+            last.entry(other).or_insert(Some(mine).filter(|_| is_own));
+        }
     }
+    last
+}
+
+/// Reports tags that are queried but that nothing in the program has; returns the similar tags that it names. Where a
+/// map is open or there is no world, only words that are surely no tags.
+pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> BTreeSet<String> {
+    let mut named = BTreeSet::new();
+    let is_open = checked.worlds.iter().any(|w| w.open.is_some());
+    let is_complete = !is_open && !checked.worlds.is_empty();
     let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
     let mut carried: BTreeSet<TagId> = colliders.copied().collect();
     for space in checked.worlds.iter().flat_map(|w| w.spaces.iter()) {
         carried.extend(statics(space).into_iter().flatten());
     }
-    let queries = checked.entities.iter().flat_map(|entity| contact_queries(entity));
     // `touching(wall, bottom)` is read as a question about two tags.
-    let last: BTreeSet<TagId> = queries.filter_map(|((mine, other), _)| mine.map(|_| other)).collect();
+    let last = last_tags(checked);
     let requested = requested(checked);
-    let root = checked.worlds.iter().next().map(|w| w.name.span.file());
+    let root = checked.worlds.iter().next().map_or(root, |w| w.name.span.file());
     for &tag in requested.difference(&carried) {
         let name = &checked.tags[tag];
         if checked.other_tags.contains(name.text.as_str()) {
@@ -74,16 +85,23 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) -> BTreeSet<Strin
         }
         let entity = checked.entities.iter().find(|entity| entity.name.text == name.text);
         let elsewhere = match (entity, side_meant(&name.text)) {
-            (Some(entity), _) => Some(Elsewhere::Entity(tags_of(checked, entity))),
-            (None, Some(side)) if last.contains(&tag) => Some(Elsewhere::Side(side)),
+            (Some(entity), _) if !is_open => Some(Elsewhere::Entity(tags_of(checked, entity))),
+            (None, Some(side)) => match last.get(&tag) {
+                Some(None) => Some(Elsewhere::Side(side)),
+                Some(Some(own)) if is_complete => Some(Elsewhere::SideOf(side, checked.tags[*own].text.to_string())),
+                _ => None,
+            },
             _ => None,
         };
+        if !is_complete && elsewhere.is_none() {
+            continue;
+        }
         let near = similar(&name.text, carried.iter().map(|t| checked.tags[*t].text.as_str()));
         let near = near.and_then(|near| checked.tags.iter().find(|t| t.text == near));
         let near = near.filter(|_| elsewhere.is_none()).map(|tag| (tag.text.to_string(), tag.span));
         named.extend(near.iter().map(|(near, _)| near.clone()));
         // An imported entity may refer to tags that this program does not use.
-        if Some(name.span.file()) == root || near.is_some() {
+        if name.span.file() == root || near.is_some() {
             found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near, elsewhere });
         }
     }

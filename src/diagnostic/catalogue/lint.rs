@@ -179,8 +179,10 @@ pub struct UncarriedTag {
 pub enum Elsewhere {
     /// An entity whose colliders have these tags.
     Entity(Vec<String>),
-    /// A side, which is called this.
+    /// A side, which is called this, after the tag of what is touched.
     Side(&'static str),
+    /// A side, which is called this, after a tag of the entity itself.
+    SideOf(&'static str, String),
 }
 
 impl Fact for UncarriedTag {
@@ -199,6 +201,9 @@ impl Fact for UncarriedTag {
             None => return d,
             Some(Elsewhere::Side(side)) => {
                 ("the sides are `left`, `right`, `above` and `below`".to_string(), Some(side.to_string()))
+            }
+            Some(Elsewhere::SideOf(side, own)) => {
+                (format!("a side comes after the tag of what is touched: `touching({own}, TAG, {side})`"), None)
             }
             Some(Elsewhere::Entity(tags)) if tags.is_empty() => {
                 (format!("`{}` is an entity, and has no collider to give it a tag", self.tag), None)

@@ -276,6 +276,7 @@ fn sim_says_what_is_wrong_with_inputs() {
         all.push_str(&shown(&["sim", TEST1, "--inputs", script]));
     }
     all.push_str(&shown(&["sim", TEST2, "--inputs", "horizontal horizontal=2 left=1 jump=1"]));
+    all.push_str(&shown(&["sim", TEST2, "--inputs", "jmup fire"]));
     all.push_str(&shown(&["sim", TEST1]));
     insta::assert_snapshot!(all);
     assert_eq!(code(&["sim", TEST1, "--inputs-file", "no/such/file"]), 2);

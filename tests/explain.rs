@@ -184,6 +184,20 @@ fn the_command_shows_pages_and_lists_codes() {
 }
 
 #[test]
+fn the_command_explains_words() {
+    let shown = |arguments: &[&str]| {
+        let output = hypedc(Path::new("."), arguments);
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", said(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    insta::assert_snapshot!("words", shown(&["explain", "touching", "clamp", "near", "kinematic"]));
+    let output = hypedc(Path::new("."), &["explain", "toching"]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = said(&output);
+    assert!(error.contains("no code and no word of the language is `toching`; did you mean `touching`?"), "{error}");
+}
+
+#[test]
 fn an_unknown_code_is_no_question() {
     let output = hypedc(Path::new("."), &["explain", "E0392", "E0302"]);
     assert_eq!(output.status.code(), Some(2));

@@ -82,10 +82,31 @@ fn what_is_certain_is_mended() {
         ("when pressed(jump) { y = 1 }", "when pressed(jump) { y := 1 }"),
         ("when pressed(jump) -> only { y' = 1 }", "when pressed(jump) -> only { y' := 1 }"),
         ("when x = 1 { y := 1 }", "when x == 1 { y := 1 }"),
+        ("when x^2 > 1 { y := 1 }", "when x * x > 1 { y := 1 }"),
+        ("when 1 / x ^ 2 > 1 { y := 1 }", "when 1 / (x * x) > 1 { y := 1 }"),
+        ("when self.x > 1 { y := 1 }", "when x > 1 { y := 1 }"),
+        ("y' = held(jump) ? 1 : -1 // up", "y' = if(held(jump), 1, -1) // up"),
     ] {
         assert_eq!(after_fix(&in_mode(wrong)), Some(in_mode(right)), "{wrong}");
     }
     assert_eq!(after_fix("entitiy A { }\n").as_deref(), Some("entity A { }\n"));
+    for (wrong, right) in [
+        ("clamp y' > -200", "clamp y' >= -200"),
+        ("discrete armed = true", "discrete armed: bool = true"),
+        ("discrete armed: boolean = true", "discrete armed: bool = true"),
+        ("discrete keys: 0..9 = 0", "discrete keys: int 0..9 = 0"),
+    ] {
+        let around = |line: &str| format!("entity A {{\n    {line}\n}}\n");
+        assert_eq!(after_fix(&around(wrong)), Some(around(right)), "{wrong}");
+    }
+    let world = |size: &str, player: &str| {
+        format!(
+            "entity A {{ x' = 3 }}\nworld W {{\n    tiles t {size} {{ '#': wall }}\n    \
+             space main {{\n        place a: A at (0, 0)\n    }}\n    {player}\n}}\n"
+        )
+    };
+    assert_eq!(after_fix(&world("16x16", "player 1: a")), Some(world("16 x 16", "player 1: a")));
+    assert_eq!(after_fix(&world("16 x 16", "player: a")), Some(world("16 x 16", "player 1: a")));
 }
 
 #[test]

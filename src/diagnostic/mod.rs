@@ -10,6 +10,7 @@ pub mod fix;
 pub mod page;
 pub mod render;
 mod similar;
+pub mod words;
 
 pub use code::Code;
 pub use similar::{MAX_CANDIDATES, only_similar, similar};

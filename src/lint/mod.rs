@@ -25,7 +25,8 @@ pub fn lint(checked: &Checked, root: FileId) -> Diagnostics {
         updates::ranges(entity, &mut found);
     }
     unused::unused(checked, root, &mut found);
-    world::tags(checked, &mut found);
+    let explained = world::tags(checked, root, &mut found);
+    world::level_names(checked, &explained, &mut found);
     world::touches(checked, &mut found);
     world::players(checked, &mut found);
     world::places(checked, &mut found);

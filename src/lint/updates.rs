@@ -124,7 +124,6 @@ pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
         found.report(MayLeaveRange {
             name: variable.name.text.to_string(),
             range: variable.range,
-            declared: variable.name.span,
             at: update.value.span,
             value: (value.low, value.high),
         });

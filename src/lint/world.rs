@@ -3,12 +3,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnostic::catalogue::lint::{LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
+use crate::diagnostic::catalogue::lint::{Elsewhere, LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
+use crate::diagnostic::catalogue::world::{UnknownLevelName, as_tag};
 use crate::diagnostic::{Diagnostics, similar};
 use crate::ir::{EntityId, MAX_TAGS, Origin, Push, Subject, TagId};
-use crate::sema::checked::{Checked, CollideRule, Entity, Instance, Shape, Solid, Space, TermKind, Touching, World};
-use crate::sema::{ConstantContext, evaluate};
-use crate::source::Span;
+use crate::sema::checked::{
+    Checked, CollideRule, Entity, Instance, LevelName, Shape, Solid, Space, TermKind, Touching, World,
+};
+use crate::sema::{ConstantContext, evaluate, side_meant};
+use crate::source::{FileId, Span};
 
 use super::terms;
 
@@ -34,17 +37,8 @@ fn contact_queries(entity: &Entity) -> Vec<(ContactQuery, Span)> {
     out
 }
 
-/// Reports tags that are queried but that nothing in the program has.
-pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
-    // The tags of an open map are unknown.
-    if checked.worlds.is_empty() || checked.worlds.iter().any(|w| w.open.is_some()) {
-        return;
-    }
-    let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
-    let mut carried: BTreeSet<TagId> = colliders.copied().collect();
-    for space in checked.worlds.iter().flat_map(|w| w.spaces.iter()) {
-        carried.extend(statics(space).into_iter().flatten());
-    }
+/// The tags that `collide` lines and contact queries name.
+fn requested(checked: &Checked) -> BTreeSet<TagId> {
     let requested = checked.worlds.iter().flat_map(|w| &w.collide).flat_map(|c| c.left.iter().chain(&c.right));
     let mut requested: BTreeSet<TagId> = requested.copied().collect();
     for entity in checked.entities.iter() {
@@ -53,19 +47,101 @@ pub(super) fn tags(checked: &Checked, found: &mut Diagnostics) {
             requested.insert(other);
         }
     }
-    let root = checked.worlds.iter().next().map(|w| w.name.span.file());
+    requested
+}
+
+/// The last tags of contact queries with two tags, each with the entity's own tag if one of its colliders carries it.
+fn last_tags(checked: &Checked) -> BTreeMap<TagId, Option<TagId>> {
+    let mut last = BTreeMap::new();
+    for entity in checked.entities.iter() {
+        for ((mine, other), _) in contact_queries(entity) {
+            let Some(mine) = mine else { continue };
+            let is_own = entity.colliders.iter().any(|collider| collider.tags.contains(&mine));
+            last.entry(other).or_insert(Some(mine).filter(|_| is_own));
+        }
+    }
+    last
+}
+
+/// Reports tags that are queried but that nothing in the program has; returns the similar tags that it names. Where a
+/// map is open or there is no world, only words that are surely no tags.
+pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> BTreeSet<String> {
+    let mut named = BTreeSet::new();
+    let is_open = checked.worlds.iter().any(|w| w.open.is_some());
+    let is_complete = !is_open && !checked.worlds.is_empty();
+    let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
+    let mut carried: BTreeSet<TagId> = colliders.copied().collect();
+    for space in checked.worlds.iter().flat_map(|w| w.spaces.iter()) {
+        carried.extend(statics(space).into_iter().flatten());
+    }
+    // `touching(wall, bottom)` is read as a question about two tags.
+    let last = last_tags(checked);
+    let requested = requested(checked);
+    let root = checked.worlds.iter().next().map_or(root, |w| w.name.span.file());
     for &tag in requested.difference(&carried) {
         let name = &checked.tags[tag];
         if checked.other_tags.contains(name.text.as_str()) {
             continue;
         }
+        let entity = checked.entities.iter().find(|entity| entity.name.text == name.text);
+        let elsewhere = match (entity, side_meant(&name.text)) {
+            (Some(entity), _) if !is_open => Some(Elsewhere::Entity(tags_of(checked, entity))),
+            (None, Some(side)) => match last.get(&tag) {
+                Some(None) => Some(Elsewhere::Side(side)),
+                Some(Some(own)) if is_complete => Some(Elsewhere::SideOf(side, checked.tags[*own].text.to_string())),
+                _ => None,
+            },
+            _ => None,
+        };
+        if !is_complete && elsewhere.is_none() {
+            continue;
+        }
         let near = similar(&name.text, carried.iter().map(|t| checked.tags[*t].text.as_str()));
         let near = near.and_then(|near| checked.tags.iter().find(|t| t.text == near));
-        let near = near.map(|tag| (tag.text.to_string(), tag.span));
+        let near = near.filter(|_| elsewhere.is_none()).map(|tag| (tag.text.to_string(), tag.span));
+        named.extend(near.iter().map(|(near, _)| near.clone()));
         // An imported entity may refer to tags that this program does not use.
-        if Some(name.span.file()) == root || near.is_some() {
-            found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near });
+        if name.span.file() == root || near.is_some() {
+            found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near, elsewhere });
         }
+    }
+    named
+}
+
+/// The tags of an entity's colliders, in the order of the text.
+fn tags_of(checked: &Checked, entity: &Entity) -> Vec<String> {
+    let mut tags: Vec<String> = Vec::new();
+    for tag in entity.colliders.iter().flat_map(|collider| &collider.tags) {
+        let tag = checked.tags[*tag].text.to_string();
+        if !tags.contains(&tag) {
+            tags.push(tag);
+        }
+    }
+    tags
+}
+
+/// Reports names in editors' levels that nothing asks and that are almost names of the program, but for those that are
+/// explained already.
+pub(super) fn level_names(checked: &Checked, explained: &BTreeSet<String>, found: &mut Diagnostics) {
+    if checked.level_names.is_empty() {
+        return;
+    }
+    let requested: BTreeSet<&str> = requested(checked).into_iter().map(|tag| &*checked.tags[tag].text).collect();
+    let entities = || checked.entities.iter().map(|entity| &*entity.name.text);
+    for LevelName { name, map, is_object, near: explained_near } in &checked.level_names {
+        if requested.contains(name.as_str()) || explained.contains(name) {
+            continue;
+        }
+        let instances = || entities().filter(|_| *is_object);
+        let in_block = explained_near.iter().map(|(near, _)| near.as_str());
+        let known = in_block.chain(instances()).chain(requested.iter().copied()).chain(entities());
+        let Some(near) = similar(name, known) else { continue };
+        let meaning = match explained_near {
+            Some((explained, meaning)) if *explained == near => meaning.clone(),
+            _ if entities().any(|entity| entity == near) => format!("spawn {near}"),
+            _ => as_tag(&near),
+        };
+        found.report(UnknownLevelName { at: *map, name: name.clone(), near, meaning });
     }
 }
 

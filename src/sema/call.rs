@@ -11,6 +11,7 @@ use crate::syntax::occurrence::NameKind;
 use super::Checker;
 use super::checked::{BoundTouch, Term, TermKind, Touching, Type};
 use super::expression::{ReadLimit, Scope};
+use super::foreign;
 use super::names::unknown;
 
 impl Checker<'_> {
@@ -151,7 +152,7 @@ impl Checker<'_> {
                     "mod", "if", "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost",
                     "near", "inside",
                 ];
-                let fact = unknown("function", other, function.span, known);
+                let fact = unknown("function", other, function.span, known).suggestion(foreign::function(other));
                 self.report_unknown(fact);
                 return None;
             }
@@ -201,7 +202,7 @@ impl Checker<'_> {
         }
         let written = path.segments.iter().map(|s| &*s.text).collect::<Vec<_>>().join(".");
         let fact = unknown("button", &written, path.span, names.buttons.names());
-        self.report_unknown(fact);
+        self.report_unknown(fact.suggestion(foreign::button(&written, scope)));
         None
     }
 
@@ -243,7 +244,8 @@ impl Checker<'_> {
             [mine, other] => (Some(mine), other, None),
             [mine, other, on] if side(on).is_some() => (Some(mine), other, side(on)),
             [_, _, on] => {
-                self.diagnostics.report(unknown("side", &on.text, on.span, ["left", "right", "above", "below"]));
+                let fact = unknown("side", &on.text, on.span, ["left", "right", "above", "below"]);
+                self.diagnostics.report(fact.meaning(foreign::side(&on.text)));
                 return None;
             }
             _ => {

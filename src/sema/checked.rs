@@ -33,6 +33,8 @@ pub struct Checked {
     pub has_open_map: bool,
     /// Tags that levels and legends name.
     pub level_tags: BTreeSet<String>,
+    /// Names in levels of editors that the levels' maps do not explain.
+    pub level_names: Vec<LevelName>,
     /// Where names occur.
     pub occurrences: Occurrences,
     /// The inferred dimensions.

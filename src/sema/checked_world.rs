@@ -148,3 +148,16 @@ pub struct Question {
     /// The predicate.
     pub predicate: Term,
 }
+
+/// A name in a level of an editor that became a tag.
+#[derive(Debug, Clone)]
+pub struct LevelName {
+    /// The name.
+    pub name: String,
+    /// The map.
+    pub map: Span,
+    /// Whether an object of the level has it, which may be meant to be an instance.
+    pub is_object: bool,
+    /// The nearest name in the map's block, and what it stands for.
+    pub near: Option<(String, String)>,
+}

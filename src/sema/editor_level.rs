@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownObject, UnknownSetting};
+use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownObject, UnknownSetting, as_tag};
 use crate::diagnostic::similar;
 use crate::ir::{EntityId, Id, Origin, SlotId, SpaceId, TagId, TileKind, TileMap};
 use crate::level::{EditorLevel, Format, Meaning, Object, Value, read_level};
@@ -11,7 +11,7 @@ use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
 
 use super::Checker;
-use super::checked::{Given, Instance, Solid, World};
+use super::checked::{Given, Instance, LevelName, Solid, World};
 use super::names::{Table, unknown};
 use super::population::Population;
 
@@ -58,6 +58,17 @@ impl Checker<'_> {
             return;
         };
         let EditorLevel { columns, rows, tile, kinds: names, cells, rectangles, objects } = level;
+        let objects_too = rectangles.iter().flat_map(|(names, ..)| names).map(|name| (name, true));
+        let unexplained = names.iter().flatten().map(|name| (name, false)).chain(objects_too);
+        let unexplained: BTreeMap<&String, bool> =
+            unexplained.filter(|(name, _)| !kinds.contains_key(name.as_str())).collect();
+        self.checked.level_names.extend(unexplained.into_iter().map(|(name, is_object)| {
+            let near = similar(name, kinds.keys().copied()).and_then(|near| {
+                let meaning = stands_for(kinds.get(near.as_str())?);
+                Some((near, meaning))
+            });
+            LevelName { name: name.clone(), map: at, is_object, near }
+        }));
         let tags = |of: &mut Self, names: &[String]| of.tags_of(&kinds, names, at);
         let symbols = ['.', '#'].into_iter().chain('a'..='z').chain('A'..='Z').chain('\u{100}'..);
         let tile_kinds = names.iter().zip(symbols);
@@ -209,6 +220,14 @@ impl Checker<'_> {
             let (name, entity) = (name.to_string(), e.name.text.to_string());
             self.diagnostics.report(UnknownSetting { at: span, name, entity, count, near });
         }
+    }
+}
+
+/// What a line of the block says, after the colon.
+fn stands_for(kind: &ast::Kind) -> String {
+    match &kind.spawn {
+        Some(spawn) => format!("spawn {}", spawn.entity.text),
+        None => kind.tags.iter().map(|tag| as_tag(&tag.text)).collect::<Vec<_>>().join(", "),
     }
 }
 

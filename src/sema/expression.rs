@@ -15,6 +15,7 @@ use super::Checker;
 use super::checked::{Entity, Given, Term, TermKind, Touching, Type};
 use super::constant::KNOWN_CONSTANTS;
 use super::entity::Skeleton;
+use super::foreign::suggestion;
 use super::mode::ModeNames;
 use super::names::{Candidate, unknown};
 
@@ -140,30 +141,6 @@ impl Checker<'_> {
     }
 }
 
-/// A suggestion for a name that is not a value: how to use what it names, or how to write a velocity called `vx`
-/// elsewhere.
-fn suggestion(name: &str, scope: &Scope<'_>) -> Option<String> {
-    let names = scope.names?;
-    let is_mode = || scope.entity.is_some_and(|entity| entity.modes.iter().any(|mode| mode.name.text == name));
-    if names.buttons.get(name).is_some() {
-        return Some(format!("`{name}` is a button: `pressed({name})`, `held({name})` and `released({name})` ask it"));
-    }
-    if is_mode() {
-        return Some(format!("`{name}` is a mode: `in {name}` asks whether it is active"));
-    }
-    rate(name)
-}
-
-/// How the language writes a velocity with a conventional name.
-pub(super) fn rate(name: &str) -> Option<String> {
-    let of = match name {
-        "vx" | "dx" | "velx" | "xvel" | "speed_x" | "velocity_x" | "x_velocity" => "x",
-        "vy" | "dy" | "vely" | "yvel" | "speed_y" | "velocity_y" | "y_velocity" => "y",
-        _ => return None,
-    };
-    Some(format!("a velocity is the rate of a position: `{of}'`"))
-}
-
 impl Checker<'_> {
     /// A number, a truth value or a value of a set.
     pub(super) fn value(&mut self, e: &Expr, scope: &Scope<'_>) -> Option<Term> {
@@ -213,9 +190,8 @@ impl Checker<'_> {
             return None;
         }
         let help = match (&term.ty, ty) {
-            (Type::Ref(_) | Type::AnyRef, _) => {
-                Some("`.x` reads it, `is none`, `is ENTITY` and `in MODE` ask it".to_string())
-            }
+            (Type::Ref(_), _) => Some("`.x` reads it, `is none` and `in MODE` ask it".to_string()),
+            (Type::AnyRef, _) => Some("`.x` reads it, `is none` and `is ENTITY` ask it".to_string()),
             (Type::Real, Type::Int) => Some("make it whole with `floor`, `ceil` or `round`".to_string()),
             (Type::Real | Type::Int, Type::Bool) => Some("compare it with something".to_string()),
             _ => None,
@@ -466,6 +442,8 @@ impl Checker<'_> {
             });
             return None;
         }
+        let meant = suggestion(&name.text, scope).or_else(|| self.unreferenced(&name.text, scope));
+        let meant = meant.or_else(|| self.value_of_instance(&name.text, scope));
         let of_entity = scope.names.into_iter().flat_map(|names| {
             let plain = Some(names).filter(|_| path.primes == 0).into_iter();
             let plain = plain.flat_map(|n| n.params.names().chain(n.discretes.names()).chain(n.axes.names()));
@@ -475,7 +453,7 @@ impl Checker<'_> {
         let values = set.into_iter().flat_map(|set| self.sets[set].names.iter().map(|v| Candidate::from(v.as_str())));
         let known = of_entity.chain(values).chain(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
-        let fact = unknown(kind, &name.text, name.span, known).suggestion(suggestion(&name.text, scope));
+        let fact = unknown(kind, &name.text, name.span, known).suggestion(meant);
         self.report_unknown(fact);
         None
     }

@@ -9,7 +9,8 @@ use crate::syntax::occurrence::Role;
 use super::Checker;
 use super::checked::{Clamp, Collider, Drive, DriveBy, Given, Shape, Term};
 use super::constant::{ConstantContext, evaluate};
-use super::expression::{ReadLimit, Scope, rate};
+use super::expression::{ReadLimit, Scope};
+use super::foreign::rate;
 use super::names::unknown;
 
 impl Checker<'_> {

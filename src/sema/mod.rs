@@ -15,6 +15,7 @@ mod entity;
 mod envelope;
 mod expression;
 mod facts;
+mod foreign;
 mod joint;
 mod map;
 mod member;
@@ -44,6 +45,7 @@ use crate::syntax::{MAX_OPERATORS, ast};
 use checked::Checked;
 use checked::SetId;
 pub use constant::{ConstantContext, ConstantError, evaluate};
+pub(crate) use foreign::side as side_meant;
 use names::Table;
 pub use unused::names_of_unused;
 
@@ -151,6 +153,8 @@ struct Checker<'a> {
     tags: std::collections::BTreeMap<ast::Word, TagId>,
     /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<String>,
+    /// The instances that worlds place, with their entities.
+    placed: std::collections::BTreeMap<ast::Word, ast::Word>,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -175,6 +179,7 @@ impl<'a> Checker<'a> {
             entities: Table::new("entity"),
             worlds: Table::new("world"),
             tags: std::collections::BTreeMap::new(),
+            placed: foreign::placed(files),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

@@ -1,6 +1,6 @@
 //! Expressions about instances in predicates of a world: `hero.x`, `hero in dead`, `near(hero, …)`, `any Goomba`.
 
-use crate::diagnostic::catalogue::syntax::Misplaced;
+use crate::diagnostic::catalogue::syntax::{Misplaced, OnlyInWorlds};
 use crate::diagnostic::catalogue::types::TypeMismatch;
 use crate::ir::{EntityId, SlotId, Subject, VarId};
 use crate::source::Span;
@@ -85,7 +85,8 @@ impl Checker<'_> {
         let Some((subject, entity)) = self.referred(&first.text, scope) else {
             let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
             let fact = unknown("reference", &first.text, first.span, known);
-            self.report_unknown(fact);
+            let meant = self.unreferenced(&first.text, scope);
+            self.report_unknown(fact.suggestion(meant));
             return None;
         };
         self.record_subject_use(subject, first, scope);
@@ -144,6 +145,11 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         wrong: impl Fn(&mut Self, &'static str),
     ) -> Option<Term> {
+        if scope.entity.is_some() {
+            let help = self.distance(arguments, scope);
+            self.diagnostics.report(OnlyInWorlds { at: span, what: "`near`", help });
+            return None;
+        }
         let [subject, place, radius] = arguments else {
             wrong(self, "`near(instance, (x, y), radius)` or `near(instance, instance, radius)`");
             return None;

@@ -53,7 +53,8 @@ impl Checker<'_> {
             }
             let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
             let fact = unknown("reference", &name.text, name.span, known);
-            self.report_unknown(fact);
+            let meant = self.unreferenced(&name.text, scope);
+            self.report_unknown(fact.suggestion(meant));
             return None;
         }
         self.diagnostics.report(TypeMismatch {
@@ -107,7 +108,8 @@ impl Checker<'_> {
             }
         }
         let covered = scope.covered && scope.mode.is_some();
-        self.diagnostics.report(LostRead { at: span, name: name.text.to_string(), in_mode: covered });
+        let entity = self.entity_name(scope.entity.and_then(|entity| entity.refs[id].entity));
+        self.diagnostics.report(LostRead { at: span, name: name.text.to_string(), entity, in_mode: covered });
     }
 
     /// Edges into a mode that reads a reference must ensure that it is not none.
@@ -124,6 +126,7 @@ impl Checker<'_> {
                 self.diagnostics.report(LostEntry {
                     at: edge.span,
                     name: entity.refs[reference].name.text.to_string(),
+                    entity: self.entity_name(entity.refs[reference].entity),
                     mode: entity.modes[mode].path.join("."),
                     read,
                 });

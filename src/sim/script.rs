@@ -250,6 +250,12 @@ impl Parser<'_> {
                 self.report(from, to, why, None);
                 return None;
             }
+            Target::Axis(_, Some(end)) => {
+                let why = format!("`{name}` is a direction and takes no value");
+                let axis = DIRECTIONS.iter().find(|(word, ..)| *word == name).map_or("", |(_, axis, _)| axis);
+                self.report(from, to, why, Some(format!("write `{name}`, or `{axis}={}`", end / 2.0)));
+                return None;
+            }
             Target::Axis(..) => {
                 let why = format!("`{name}` is an axis and needs one value");
                 self.report(from, to, why, Some(format!("write `{name}=-1`, or any value to 1")));
@@ -277,13 +283,17 @@ impl Parser<'_> {
         {
             return Some(Target::Axis(axis, Some(*value)));
         }
-        let known: Vec<&str> = entity.buttons.iter().chain(entity.axes.iter()).map(String::as_str).collect();
-        let near = similar(name, known.iter().copied());
+        let words = DIRECTIONS.iter().filter(|(_, axis, _)| entity.axis_named(axis).is_some()).map(|(word, ..)| *word);
+        let known: Vec<&str> = entity.buttons.iter().map(String::as_str).chain(words).collect();
+        let axes = || entity.axes.iter().map(String::as_str);
+        let near = similar(name, known.iter().copied().chain(axes()));
         let why = format!("`{}` reads no button or axis `{name}`", entity.name);
-        let help = match near {
-            Some(near) => Some(format!("did you mean `{near}`?")),
-            None if known.is_empty() => None,
-            None => Some(format!("it reads {}", known.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", "))),
+        let all = known.iter().map(|known| format!("`{known}`")).chain(axes().map(|axis| format!("`{axis}=0.5`")));
+        let all: Vec<String> = all.collect();
+        let all = (!all.is_empty()).then(|| format!("it reads {}", all.join(", ")));
+        let help = match (near, all) {
+            (Some(near), Some(all)) => Some(format!("did you mean `{near}`? {all}")),
+            (_, all) => all.or_else(|| Some("it declares no `button` and no `axis`".into())),
         };
         self.report(from, to, why, help);
         None

@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::diagnostic::similar;
 
 use super::Rule;
+use super::foreign::foreign;
 
 /// The point where a part stopped matching its rule.
 pub(super) struct Failure<'a> {
@@ -33,11 +34,11 @@ pub(super) struct LikelyFix {
 }
 
 impl LikelyFix {
-    fn new(help: impl Into<String>) -> Self {
+    pub(super) fn new(help: impl Into<String>) -> Self {
         LikelyFix { help: help.into(), replacement: None, is_first: false }
     }
 
-    fn replacement(help: impl Into<String>, range: Range<usize>, text: impl Into<String>) -> Self {
+    pub(super) fn replacement(help: impl Into<String>, range: Range<usize>, text: impl Into<String>) -> Self {
         LikelyFix { help: help.into(), replacement: Some((range, text.into())), is_first: false }
     }
 }
@@ -47,6 +48,8 @@ const CALLS: [&str; 9] = ["pressed", "held", "released", "touching", "entering",
 
 /// Keywords of other languages, the equivalent (`None` if it takes more than a word), and the advice.
 type ForeignWords = (&'static [&'static str], Option<&'static str>, &'static str);
+
+const NO_FUNCTIONS: &str = "there are no functions; what several entities share is a `behavior`, taken with `use`";
 
 const MEMBERS: &[ForeignWords] = &[
     (&["state", "phase"], Some("mode"), "a state of an entity is a `mode`"),
@@ -58,7 +61,8 @@ const MEMBERS: &[ForeignWords] = &[
     (
         &["var", "let", "float", "double", "real", "number", "int", "integer", "bool", "boolean", "enum", "local"],
         None,
-        "what flows is declared as `continuous z = 0`, what counts or switches as `discrete n: int 0..9 = 0`",
+        "an entity declares what stays as `param speed = 60`, what flows as `continuous z = 0`, what counts or switches \
+         as `discrete n: int 0..9 = 0`",
     ),
     (&["const", "constant", "attribute", "property"], Some("param"), "a constant of an entity is a `param`"),
     (&["start", "begin", "init", "default"], None, "`initial mode NAME { … }` is the mode that an entity begins in"),
@@ -74,11 +78,7 @@ const MEMBERS: &[ForeignWords] = &[
         "edges are tried from the top; for another case write another `when` after the first, for all others `else`",
     ),
     (&["wait", "after", "delay", "every"], None, "`timer` counts the seconds in a mode: `when timer >= 2 -> MODE`"),
-    (
-        &["function", "func", "fn", "def", "method", "extends", "template"],
-        None,
-        "there are no functions; what several entities share is a `behavior`, taken with `use`",
-    ),
+    (&["function", "func", "fn", "def", "method", "extends", "template"], None, NO_FUNCTIONS),
     (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others are in a `group`"),
 ];
 
@@ -91,7 +91,22 @@ const ITEMS: &[ForeignWords] = &[
     (&["level", "scene", "game", "stage"], Some("world"), "spaces with entities in them make a `world`"),
     (&["include", "require", "using", "from"], Some("import"), "other files are included with `import \"file.hyped\"`"),
     (&["constant", "define", "let", "var"], Some("const"), "a number with a name is a `const`"),
+    (&["function", "func", "fn", "def", "method"], None, NO_FUNCTIONS),
     (&["trait", "mixin", "template", "component"], Some("behavior"), "what several entities share is a `behavior`"),
+];
+
+const UPDATES: &[ForeignWords] = &[
+    (
+        &["let", "var", "local", "const", "int", "float", "double", "number", "bool"],
+        None,
+        "an update sets a variable that the entity declares: `x := 1`",
+    ),
+    (&["set", "assign"], None, "an update is written `x := 1`"),
+    (
+        &["if", "when", "while", "for", "else"],
+        None,
+        "an update has no condition of its own: write another `when`, or a value such as `x := if(y > 0, 1, 2)`",
+    ),
 ];
 
 const WORLD_ITEMS: &[ForeignWords] = &[
@@ -116,6 +131,7 @@ const RAMPS: &[ForeignWords] = &[(&["peak", "hold"], Some("sustain"), "a level t
 /// The most likely fix.
 pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Option<LikelyFix> {
     comment(failed)
+        .or_else(|| foreign(failed))
         .or_else(|| condition(failed))
         .or_else(|| update(failed))
         .or_else(|| edge(failed))
@@ -128,15 +144,15 @@ pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Opti
 }
 
 impl<'a> Failure<'a> {
-    fn rest(&self) -> &'a str {
+    pub(super) fn rest(&self) -> &'a str {
         self.slice.get(self.at..).unwrap_or_default()
     }
 
-    fn before(&self) -> &'a str {
+    pub(super) fn before(&self) -> &'a str {
         self.slice.get(..self.at).unwrap_or_default()
     }
 
-    fn expects(&self, word: &str) -> bool {
+    pub(super) fn expects(&self, word: &str) -> bool {
         self.expected.iter().any(|expected| expected == word)
     }
 
@@ -154,13 +170,13 @@ impl<'a> Failure<'a> {
         (start..self.slice.len(), text.trim_end().to_string())
     }
 
-    fn first_word(&self) -> &'a str {
+    pub(super) fn first_word(&self) -> &'a str {
         word(self.slice)
     }
 }
 
 /// The first word of a text.
-fn word(text: &str) -> &str {
+pub(super) fn word(text: &str) -> &str {
     let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     text.get(..end).unwrap_or_default()
 }
@@ -362,6 +378,7 @@ fn opener(failed: &Failure<'_>, opening: &[&'static str]) -> Option<LikelyFix> {
     let habits: &[ForeignWords] = match failed.rule {
         Rule::only_item => ITEMS,
         Rule::only_member => MEMBERS,
+        Rule::only_update => UPDATES,
         Rule::only_world_item => WORLD_ITEMS,
         Rule::only_space_item => SPACE_ITEMS,
         Rule::only_ramp => RAMPS,

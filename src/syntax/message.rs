@@ -132,7 +132,11 @@ fn words(rules: &[Rule]) -> Vec<String> {
         }
     };
     let has = |rule: Rule| rules.contains(&rule);
-    let starts_expression = has(Rule::expression) || has(Rule::number) || has(Rule::primary) || has(Rule::digits);
+    let is_number = |rule: &Rule| matches!(rule, Rule::number | Rule::digits);
+    // Where only a number fits, an expression does not.
+    let starts_expression = has(Rule::expression)
+        || has(Rule::primary)
+        || rules.iter().any(is_number) && rules.iter().any(|rule| !is_number(rule) && starts_an_expression(*rule));
     let is_operator = |rule: &Rule| {
         use Rule::{
             above, at_least, at_most, below, divided, dot, equal, kw_and, kw_is, kw_or, minus, plus, primes, relation,

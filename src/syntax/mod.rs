@@ -10,6 +10,7 @@ mod build;
 mod build_world;
 mod expand;
 mod expression;
+mod foreign;
 mod import;
 mod keyword;
 mod likely_fix;

@@ -163,6 +163,7 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
     let mut declaring = false;
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut first = true;
+    let is_place = slice.starts_with("place ");
     for token in slice.split(|c: char| !is_word(c) && c != ',').filter(|t| !t.is_empty()) {
         let list_goes_on = token.ends_with(',');
         for word in token.split(',').filter(|w| !w.is_empty()) {
@@ -171,6 +172,10 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
             // `speed 100` without `param` declares its first word.
             if may_be_typo || (declaring && !declares) {
                 names.insert(word.to_string());
+            }
+            // `place Slime at …` leaves out the name, which is usually that of the entity.
+            if is_place && declaring && word.starts_with(char::is_uppercase) {
+                names.insert(word.to_lowercase());
             }
             declaring = declares || (declaring && list_goes_on);
             first = false;

@@ -39,7 +39,7 @@ pub(in crate::cli) enum Command {
     Reach(ReachArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
-    /// Explains the code of a finding, with a wrong and a right example.
+    /// Explains the code of a finding, or a word of the language.
     Explain(ExplainArgs),
     /// Shows the values that each part of a world can have.
     Bounds(BoundsArgs),
@@ -386,7 +386,7 @@ fn planner() -> clap::builder::PossibleValuesParser {
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ExplainArgs {
-    /// The codes, such as E0302 [default: a list of all codes].
+    /// Codes such as E0302, and words such as `touching` [default: a list of all codes].
     #[arg(value_name = "CODE")]
     pub codes: Vec<String>,
 }

@@ -1,5 +1,6 @@
 //! Facts about programs that are valid but probably wrong.
 
+use super::list;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -37,8 +38,6 @@ pub struct MayLeaveRange {
     pub name: String,
     /// Its range.
     pub range: (i32, i32),
-    /// Where it is declared.
-    pub declared: Span,
     /// The new value.
     pub at: Span,
     /// The interval of the new value; infinite where unknown.
@@ -47,7 +46,7 @@ pub struct MayLeaveRange {
 
 impl Fact for MayLeaveRange {
     fn into_diagnostic(self) -> Diagnostic {
-        let MayLeaveRange { name, range: (low, high), declared, at, value } = self;
+        let MayLeaveRange { name, range: (low, high), at, value } = self;
         let found = match value {
             (f64::NEG_INFINITY, f64::INFINITY) => "this can be any number".to_string(),
             (least, f64::INFINITY) => format!("this can be {least} or any number above"),
@@ -57,7 +56,6 @@ impl Fact for MayLeaveRange {
         };
         Diagnostic::new(Code::MayLeaveRange, format!("`{name}` may leave its range, {low} to {high}"))
             .at(at, found)
-            .and(declared, "declared here")
             .help(format!("test `{name}` in the guard, or write `clamp(…, {low}, {high})`"))
             .note("a value out of its range stops the run")
     }
@@ -173,16 +171,53 @@ pub struct UncarriedTag {
     pub at: Span,
     /// A similar tag that is in use, and its first place.
     pub near: Option<(String, Span)>,
+    /// What the word means elsewhere.
+    pub elsewhere: Option<Elsewhere>,
+}
+
+/// What a word means that is no tag.
+pub enum Elsewhere {
+    /// An entity whose colliders have these tags.
+    Entity(Vec<String>),
+    /// A side, which is called this, after the tag of what is touched.
+    Side(&'static str),
+    /// A side, which is called this, after a tag of the entity itself.
+    SideOf(&'static str, String),
 }
 
 impl Fact for UncarriedTag {
     fn into_diagnostic(self) -> Diagnostic {
-        let near = super::did_you_mean(self.near.as_ref().map(|(name, _)| name));
+        let near = match self.elsewhere {
+            Some(Elsewhere::Side(side)) => format!("; did you mean the side `{side}`?"),
+            _ => super::did_you_mean(self.near.as_ref().map(|(name, _)| name)),
+        };
         let d = Diagnostic::new(Code::UncarriedTag, format!("nothing carries the tag `{}`{near}", self.tag))
             .at(self.at, "no collider, tile or `rect` has it");
-        match self.near {
+        let d = match self.near {
             Some((name, at)) => d.and(at, format!("`{name}` stands here")),
             None => d,
+        };
+        let (help, meant) = match self.elsewhere {
+            None => return d,
+            Some(Elsewhere::Side(side)) => {
+                ("the sides are `left`, `right`, `above` and `below`".to_string(), Some(side.to_string()))
+            }
+            Some(Elsewhere::SideOf(side, own)) => {
+                (format!("a side comes after the tag of what is touched: `touching({own}, TAG, {side})`"), None)
+            }
+            Some(Elsewhere::Entity(tags)) if tags.is_empty() => {
+                (format!("`{}` is an entity, and has no collider to give it a tag", self.tag), None)
+            }
+            Some(Elsewhere::Entity(tags)) => {
+                let quoted: Vec<String> = tags.iter().map(|tag| format!("`{tag}`")).collect();
+                let noun = if tags.len() == 1 { "the tag" } else { "the tags" };
+                let help = format!("`{}` is an entity; its colliders have {noun} {}", self.tag, list(&quoted, "and"));
+                (help, tags.into_iter().next().filter(|_| quoted.len() == 1))
+            }
+        };
+        match meant {
+            Some(meant) => d.help(help).fix(format!("write `{meant}`"), self.at, meant),
+            None => d.help(help),
         }
     }
 }
@@ -204,7 +239,7 @@ impl Fact for UnpairedTouch {
         let (mine, other) = self.tags;
         let quoted: Vec<String> = mine.iter().map(|t| format!("`{t}`")).collect();
         let (world, span) = self.world;
-        let message = format!("no `collide` line of `{world}` pairs {} with `{other}`", super::list(&quoted, "or"));
+        let message = format!("no `collide` line of `{world}` pairs {} with `{other}`", list(&quoted, "or"));
         let d = Diagnostic::new(Code::UnpairedTouch, message).at(self.at, "never holds");
         let d = match self.lines.as_slice() {
             [] => d.and(span, "in this world"),

@@ -49,6 +49,15 @@ impl UnknownName {
         }
     }
 
+    /// Sets the name that is certainly meant, if there is one: then similar names do not matter.
+    #[must_use]
+    pub fn meaning(mut self, name: Option<&str>) -> Self {
+        if let Some(name) = name {
+            (self.near, self.declared, self.known) = (Some((name.to_string(), true)), None, Vec::new());
+        }
+        self
+    }
+
     /// Sets the use of the name elsewhere, if there is one: then similar names do not matter.
     #[must_use]
     pub fn suggestion(mut self, what: Option<String>) -> Self {

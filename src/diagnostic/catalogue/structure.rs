@@ -160,21 +160,22 @@ pub struct LostRead {
     pub at: Span,
     /// The reference.
     pub name: String,
+    /// The entity that it refers to, if it is known.
+    pub entity: Option<String>,
     /// Whether an edge on `lost` in the mode would fix it.
     pub in_mode: bool,
 }
 
 impl Fact for LostRead {
     fn into_diagnostic(self) -> Diagnostic {
-        let LostRead { at, name, in_mode } = self;
+        let LostRead { at, name, entity, in_mode } = self;
+        let test = test(&name, entity);
         let d = Diagnostic::new(Code::LostReference, format!("`{name}` is read, but it may be none"))
             .at(at, "stops the step where there is nothing to read");
         if in_mode {
-            d.help(format!(
-                "add `when lost({name}) -> MODE` to this mode or one around it, or test `{name} is ENTITY` before"
-            ))
+            d.help(format!("add `when lost({name}) -> MODE` to this mode or one around it, or test `{test}` before"))
         } else {
-            d.help(format!("test it before: `if({name} is none, …, {name}.x)`, or `{name} is ENTITY and …` in a guard"))
+            d.help(format!("test it before: `if({name} is none, …, {name}.x)`, or `{test} and …` in a guard"))
         }
     }
 }
@@ -185,6 +186,8 @@ pub struct LostEntry {
     pub at: Span,
     /// The reference.
     pub name: String,
+    /// The entity that it refers to, if it is known.
+    pub entity: Option<String>,
     /// The mode.
     pub mode: String,
     /// Where the mode reads it.
@@ -193,15 +196,21 @@ pub struct LostEntry {
 
 impl Fact for LostEntry {
     fn into_diagnostic(self) -> Diagnostic {
-        let LostEntry { at, name, mode, read } = self;
+        let LostEntry { at, name, entity, mode, read } = self;
+        let test = test(&name, entity);
         Diagnostic::new(
             Code::LostReference,
             format!("this edge enters `{mode}`, which reads `{name}`, without setting it"),
         )
         .at(at, format!("`{name}` may be none here"))
         .and(read, "read here")
-        .help(format!("set it (`{name} := …`) in the edge's updates, or test `{name} is ENTITY` in its guard"))
+        .help(format!("set it (`{name} := …`) in the edge's updates, or test `{test}` in its guard"))
     }
+}
+
+/// The guard that a reference is not none.
+fn test(name: &str, entity: Option<String>) -> String {
+    entity.map_or_else(|| format!("not lost({name})"), |entity| format!("{name} is {entity}"))
 }
 
 /// Groups whose transitions depend on each other cyclically.

@@ -328,7 +328,7 @@ impl Fact for UnknownObject {
         let message =
             format!("`{class}`{times} of the level is no entity of the program{}", did_you_mean(near.as_ref()));
         let entity = near.unwrap_or_else(|| "ENTITY".into());
-        let name = if class.chars().all(|c| c.is_alphanumeric() || c == '_') { class } else { format!("\"{class}\"") };
+        let name = as_tag(&class);
         Diagnostic::new(Code::BadLevel, message)
             .at(at, "what is this?")
             .and(map, "in this map")
@@ -359,6 +359,34 @@ impl Fact for UnknownSetting {
         Diagnostic::new(Code::UnknownSetting, message)
             .at(at, "has no effect")
             .help(format!("declare it in `{entity}`, such as `param {name} = 0`, or take it out of the level"))
+    }
+}
+
+/// A name of an editor's level that nothing asks, and that is almost one that the program knows.
+pub struct UnknownLevelName {
+    /// The map.
+    pub at: Span,
+    /// The name in the level.
+    pub name: String,
+    /// The nearest name of the program.
+    pub near: String,
+    /// What it stands for, as the map's block says it.
+    pub meaning: String,
+}
+
+/// A tag as it is written: in quotes if it is not a name.
+pub(crate) fn as_tag(tag: &str) -> String {
+    if tag.chars().all(|c| c.is_alphanumeric() || c == '_') { tag.to_string() } else { format!("\"{tag}\"") }
+}
+
+impl Fact for UnknownLevelName {
+    fn into_diagnostic(self) -> Diagnostic {
+        let UnknownLevelName { at, name, near, meaning } = self;
+        let message = format!("nothing asks for `{name}` of the level; did you mean `{near}`?");
+        let line = format!("{}: {meaning}", as_tag(&name));
+        Diagnostic::new(Code::UnknownLevelName, message)
+            .at(at, "in this map")
+            .help(format!("rename it in the level, or add `{line}` to the map's block; `empty` leaves it out"))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Text from diagnostics: [`human`] with excerpts of the source, [`short`] with one line a finding, and for tools one
 //! JSON object for a whole run: [`json`], our own, and [`sarif`], the exchange format of checkers. From the pages that
-//! explain them: [`page()`].
+//! explain them: [`page()`]; from the descriptions of words: [`word`].
 
 #[cfg(feature = "cli")]
 mod human;
@@ -19,7 +19,7 @@ pub use human::human;
 pub use json::json;
 #[cfg(feature = "cli")]
 pub(crate) use json::json_schema;
-pub use page::page;
+pub use page::{page, word};
 #[cfg(feature = "cli")]
 pub use sarif::sarif;
 #[cfg(feature = "cli")]

@@ -1,8 +1,10 @@
-//! The renderer of the pages that explain codes: prose as it is, examples indented below a heading.
+//! The renderer of the pages that explain codes: prose as it is, examples indented below a heading; and of the
+//! descriptions of words.
 
 use std::fmt::Write;
 
 use crate::diagnostic::page::{Example, Page, Part, Side};
+use crate::diagnostic::words::{Explained, Meaning, Signature};
 
 const PLAIN: &str = "\x1b[0m";
 const BOLD: &str = "\x1b[1m";
@@ -31,6 +33,45 @@ pub fn page(page: &Page<'_>, color: bool) -> String {
                 }
             }
         }
+    }
+    out
+}
+
+/// Maximum length of a line of a description.
+const WIDTH: usize = 80;
+
+/// The description of a word as text: the ways to call it, what it means as a keyword, an example.
+pub fn word(word: &Explained, color: bool) -> String {
+    let mut out = styled(word.word, BOLD, color) + "\n";
+    let calls = word.calls.iter().copied().map(Signature::line);
+    let meaning = word.meaning.map(|Meaning { description, .. }| (*description).to_string());
+    for paragraph in calls.chain(meaning) {
+        out.push('\n');
+        out.push_str(&prose(&wrapped(&paragraph), color));
+        out.push('\n');
+    }
+    if let Some(Meaning { example, .. }) = word.meaning {
+        out.push('\n');
+        for line in example.lines() {
+            out.push_str(&format!("    {line}\n"));
+        }
+    }
+    out
+}
+
+/// A paragraph in lines.
+fn wrapped(text: &str) -> String {
+    let mut out = String::new();
+    let mut length = 0;
+    for word in text.split_whitespace() {
+        let more = word.chars().count();
+        if length > 0 {
+            let is_full = length + 1 + more > WIDTH;
+            out.push(if is_full { '\n' } else { ' ' });
+            length = if is_full { 0 } else { length + 1 };
+        }
+        out.push_str(word);
+        length += more;
     }
     out
 }

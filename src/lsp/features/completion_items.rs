@@ -3,13 +3,14 @@
 
 use std::path::Path;
 
+use crate::diagnostic::words::SIGNATURES;
 use crate::sema::checked::{Checked, Entity, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
 use super::hover::kind_label;
 use crate::lsp::snapshot::Snapshot;
-use crate::lsp::text::words::{SIGNATURES, Snippet};
+use crate::lsp::text::words::Snippet;
 use crate::lsp::view::View;
 
 /// The kind of an item. Items with the same name are sorted by kind.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::analysis::Values;
 use crate::diagnostic::page::{Page, Part};
+use crate::diagnostic::words::{Meaning, SIGNATURES, Signature, meaning};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::ir::EntityId;
 use crate::sema::checked::{Checked, Entity, Type};
@@ -17,8 +18,7 @@ use super::navigate::{ProgramPosition, last_known_positions, word_at};
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::cursor::CursorContext;
-use crate::lsp::text::meanings::{Meaning, meaning};
-use crate::lsp::text::words::{SIGNATURES, statement_starts};
+use crate::lsp::text::words::statement_starts;
 use crate::lsp::values::format_values;
 use crate::lsp::view::View;
 
@@ -94,7 +94,7 @@ fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     let word = code.get(bytes.clone())?;
     let is_called = code.get(bytes.end..)?.trim_start_matches([' ', '\t']).starts_with('(');
     let ways = SIGNATURES.iter().filter(|s| is_called && s.name == word);
-    let ways: Vec<String> = ways.map(|s| format!("`{word}({})`: {}", s.parameters.join(", "), s.doc)).collect();
+    let ways: Vec<String> = ways.map(Signature::line).collect();
     let shape = || matches!(word, "rect") && is_keyword_at(code, &bytes);
     let markdown = if ways.is_empty() || shape() {
         let Meaning { description, example, .. } = meaning(word).filter(|_| is_keyword_at(code, &bytes))?;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::diagnostic::words::SIGNATURES;
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::CursorContext;
-use crate::lsp::text::words::SIGNATURES;
 use crate::lsp::view::{ProgramState, View};
 
 /// The signatures of a call.

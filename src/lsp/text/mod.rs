@@ -5,6 +5,5 @@ pub(super) mod alignment;
 pub(super) mod cursor;
 pub(super) mod document_text;
 pub(super) mod lexer;
-pub(super) mod meanings;
 pub(super) mod operands;
 pub(super) mod words;

@@ -1,10 +1,9 @@
-//! The vocabulary of the language: keywords, functions and their signatures, and the keywords and snippets that can
-//! start a statement.
+//! The vocabulary of the language: the names of functions, and the keywords and snippets that can start a statement.
 
+use crate::diagnostic::words::meaning;
 use crate::syntax::opening_keywords;
 
 use super::cursor::Block;
-use super::meanings::meaning;
 
 /// Names in the grammar that have a predefined meaning in some positions.
 const SPECIAL: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty"];
@@ -20,74 +19,6 @@ pub(in crate::lsp) const FUNCTIONS: &[&str] = &[
     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "mod", "if",
     "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "rect",
     "circle",
-];
-
-/// A signature of a function.
-pub(in crate::lsp) struct Signature {
-    pub name: &'static str,
-    pub parameters: &'static [&'static str],
-    pub doc: &'static str,
-}
-
-/// The signatures of all functions; overloads of a function are adjacent.
-pub(in crate::lsp) const SIGNATURES: &[Signature] = &[
-    Signature { name: "min", parameters: &["a", "b"], doc: "The smaller of two numbers." },
-    Signature { name: "max", parameters: &["a", "b"], doc: "The larger of two numbers." },
-    Signature { name: "abs", parameters: &["a"], doc: "The size of a number, without its sign." },
-    Signature { name: "sign", parameters: &["a"], doc: "-1, 0 or 1." },
-    Signature { name: "clamp", parameters: &["value", "low", "high"], doc: "The nearest number between two." },
-    Signature { name: "floor", parameters: &["a"], doc: "The next whole number below." },
-    Signature { name: "ceil", parameters: &["a"], doc: "The next whole number above." },
-    Signature { name: "round", parameters: &["a"], doc: "The nearest whole number, half away from zero." },
-    Signature { name: "sqrt", parameters: &["a"], doc: "The square root; of a negative number it stops the step." },
-    Signature { name: "sin", parameters: &["angle"], doc: "The sine of an angle in radians." },
-    Signature { name: "cos", parameters: &["angle"], doc: "The cosine of an angle in radians." },
-    Signature { name: "atan2", parameters: &["y", "x"], doc: "The angle of a direction, in radians." },
-    Signature {
-        name: "mod",
-        parameters: &["a", "b"],
-        doc: "`a` less the whole multiple of `b` below it: from 0 to before `b`.",
-    },
-    Signature { name: "if", parameters: &["condition", "a", "b"], doc: "`a` if the condition holds, else `b`." },
-    Signature { name: "pressed", parameters: &["button"], doc: "The button went down at this step." },
-    Signature { name: "held", parameters: &["button"], doc: "The button is down." },
-    Signature { name: "released", parameters: &["button"], doc: "The button went up at this step." },
-    Signature { name: "touching", parameters: &["tag"], doc: "A collider touches something with the tag." },
-    Signature {
-        name: "touching",
-        parameters: &["tag", "side"],
-        doc: "On a side of this instance's collider: `left`, `right`, `above` or `below`.",
-    },
-    Signature {
-        name: "touching",
-        parameters: &["own tag", "tag"],
-        doc: "Only colliders of this instance with this tag.",
-    },
-    Signature { name: "touching", parameters: &["own tag", "tag", "side"], doc: "Only on one of its sides." },
-    Signature {
-        name: "timer",
-        parameters: &["mode"],
-        doc: "Seconds since the mode was entered; 0 while it is not active.",
-    },
-    Signature { name: "entering", parameters: &["mode"], doc: "A mode of another group is entered in this step." },
-    Signature { name: "exiting", parameters: &["mode"], doc: "A mode of another group is left in this step." },
-    Signature { name: "lost", parameters: &["reference"], doc: "The reference is `none`." },
-    Signature {
-        name: "near",
-        parameters: &["instance", "(x, y)", "radius"],
-        doc: "The distance of the instance to a point, or to another instance, is at most the radius; px.",
-    },
-    Signature { name: "inside", parameters: &["instance", "space"], doc: "The instance is in the space." },
-    Signature {
-        name: "rect",
-        parameters: &["x", "y", "width", "height"],
-        doc: "A rectangle: its lower-left corner, relative to the position, and its sides; px.",
-    },
-    Signature {
-        name: "circle",
-        parameters: &["x", "y", "radius"],
-        doc: "A circle: its centre, relative to the position, and its radius; px.",
-    },
 ];
 
 /// A completion text with placeholders.
@@ -177,10 +108,50 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::diagnostic::words::{MEANINGS, Meaning, SIGNATURES};
+    use crate::source::FileId;
+    use crate::syntax::keywords;
 
     #[test]
     fn members_begin_with_the_words_of_the_grammar() {
         let offered: BTreeSet<&str> = IN_ENTITIES.iter().chain(IN_MODES).copied().collect();
         assert_eq!(offered, opening_keywords("good_member").iter().copied().collect());
+    }
+
+    #[test]
+    fn every_keyword_has_a_meaning() {
+        let all: Vec<&str> = keywords().iter().map(|keyword| keyword.word).collect();
+        let without: Vec<&&str> = all.iter().filter(|word| meaning(word).is_none()).collect();
+        assert!(without.is_empty(), "no text for {without:?}");
+        let unknown: Vec<&str> = MEANINGS.iter().map(|m| m.word).filter(|word| !all.contains(word)).collect();
+        assert!(unknown.is_empty(), "no words of the grammar: {unknown:?}");
+    }
+
+    #[test]
+    fn examples_fit_the_grammar_and_hold_their_word() {
+        let around = [
+            "|",
+            "entity A { | }",
+            "entity A { mode m { | } }",
+            "entity A { envelope x' by a { | } }",
+            "world W { | }",
+            "world W { space s { | } }",
+        ];
+        for Meaning { word, example, .. } in MEANINGS {
+            // Some lines of an example are alternatives, so that each is parsed alone.
+            let parts: Vec<&str> = if example.contains(['{', '"']) { vec![example] } else { example.lines().collect() };
+            for part in parts {
+                let fits = |outer: &&str| !crate::syntax::parse(FileId(0), &outer.replace('|', part)).1.has_errors();
+                assert!(around.iter().any(fits), "{word}: {part}");
+            }
+            let words: Vec<&str> = example.split(|c: char| !c.is_alphanumeric()).collect();
+            assert!(words.contains(word), "{word} is not in its example");
+        }
+    }
+
+    #[test]
+    fn every_function_has_a_signature() {
+        let described: BTreeSet<&str> = SIGNATURES.iter().map(|signature| signature.name).collect();
+        assert_eq!(described, FUNCTIONS.iter().copied().collect());
     }
 }

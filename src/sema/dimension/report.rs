@@ -44,7 +44,8 @@ impl Solver<'_> {
                     return;
                 }
                 also.extend(entity.and_then(|e| self.culprit(e, term)));
-                let help = plain_factor(sources, term, found, needed);
+                let help = self.plain_factor(sources, *entity, term, found, needed);
+                let help = help.or_else(|| self.missing_rate(*entity, term, found, needed));
                 diagnostics.report(WrongDimension { this, needed: needed.words(), also, near, help });
             }
             ConflictSite::Term(first, joint) => {
@@ -54,8 +55,8 @@ impl Solver<'_> {
                         also.push(culprit);
                     }
                 }
-                let help = plain_factor(sources, term, found, needed);
-                let help = help.or_else(|| plain_factor(sources, first, needed, found));
+                let help = self.plain_factor(sources, *entity, term, found, needed);
+                let help = help.or_else(|| self.plain_factor(sources, *entity, first, needed, found));
                 let other = self.named(*entity, first).map(|(_, name)| name);
                 let near = near.filter(|near| Some(near) != other.as_ref());
                 let (text, at) = (shown(sources, first.span), Some(first.span));
@@ -117,6 +118,51 @@ impl Solver<'_> {
         })
     }
 
+    /// The declaration of a number with a dimension, under a name that is free.
+    fn declared(&self, entity: Option<EntityId>, dimension: &str, value: &str) -> String {
+        let Some(entity) = entity.map(|e| &self.program.entities[e]) else {
+            return format!("const k: {dimension} = {value}");
+        };
+        let values = || entity.params.iter().map(|p| &p.name).chain(entity.vars.iter().map(|v| &v.name));
+        let is_free = |name: &&str| !values().any(|known| known.text == **name);
+        let name = ["k", "factor", "scale"].into_iter().find(is_free).unwrap_or("NAME");
+        format!("param {name}: {dimension} = {value}")
+    }
+
+    /// A plain factor or divisor whose dimension is all that is missing; the fix is to give it a name.
+    fn plain_factor(
+        &self,
+        sources: &SourceMap,
+        entity: Option<EntityId>,
+        term: &Term,
+        found: &Dim,
+        needed: &Dim,
+    ) -> Option<String> {
+        let (number, divides) = factor(term, *found == Dim::known(0, 0))?;
+        let text = sources.slice(number.span);
+        let (more, less) = if divides { (found, needed) } else { (needed, found) };
+        let annotation = more.clone().plus(less, Ratio(-1, 1)).words();
+        let usual = ["px", "px/s", "px/s^2", "s", "s^2", "1/s", "1/s^2", "1/px"];
+        let is_usual = !needed.is_unknown && !found.is_unknown && usual.contains(&annotation.as_str());
+        if !is_usual || !text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
+            return None;
+        }
+        Some(format!(
+            "beside `*` or `/` a plain number such as `{text}` is a pure number; give it a name and a dimension: `{}`",
+            self.declared(entity, &annotation, text)
+        ))
+    }
+
+    /// The rate that makes a velocity of a distance.
+    fn missing_rate(&self, entity: Option<EntityId>, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
+        let is_difference = matches!(&term.kind, TermKind::Arithmetic(Arithmetic::Subtract, _));
+        let rate = needed.clone().plus(found, Ratio(-1, 1)).words();
+        (is_difference && found.words() == "px" && rate == "1/s").then(|| {
+            let declared = self.declared(entity, &rate, "4");
+            format!("a distance times a rate is a velocity: declare a factor such as `{declared}`")
+        })
+    }
+
     /// A parameter of an entity with a dimension; the most similar to `name` if there are several.
     fn of_dimension(&mut self, entity: EntityId, dim: &Dim, name: &str) -> Option<String> {
         let mut fitting: Vec<&str> = Vec::new();
@@ -142,33 +188,22 @@ impl Relation {
     }
 }
 
-/// A plain factor that makes a term dimensionless; the fix is to give it a name.
-fn plain_factor(sources: &SourceMap, term: &Term, found: &Dim, needed: &Dim) -> Option<String> {
-    let number = factor(term)?;
-    let text = sources.slice(number.span);
-    let annotation = needed.words();
-    let is_usual = matches!(annotation.as_str(), "px" | "px/s" | "px/s^2" | "s");
-    if *found != Dim::known(0, 0) || !is_usual || !text.bytes().all(|b| b.is_ascii_digit() || b == b'.') {
-        return None;
-    }
-    Some(format!(
-        "beside `*` or `/` a plain number such as `{text}` is a pure number; one that is not needs a name: \
-         `param NAME: {annotation} = {text}`"
-    ))
-}
-
-/// A plain number among the factors of a term.
-fn factor(term: &Term) -> Option<&Term> {
+/// A plain number among the factors of a term, and whether the term is divided by it. With `sums` also among those of
+/// the parts of a sum.
+fn factor(term: &Term, sums: bool) -> Option<(&Term, bool)> {
     let number = |t: &Term| matches!(t.kind, TermKind::Number(_));
     match &term.kind {
-        TermKind::Negate(a) => factor(a),
+        TermKind::Negate(a) => factor(a, sums),
         TermKind::Arithmetic(op, sides) => {
             let [a, b] = sides.as_ref();
             match op {
-                Arithmetic::Multiply | Arithmetic::Divide if number(a) && !number(b) => Some(a),
-                Arithmetic::Multiply if number(b) && !number(a) => Some(b),
-                Arithmetic::Divide => factor(a),
-                _ => factor(a).or_else(|| factor(b)),
+                Arithmetic::Multiply | Arithmetic::Divide if number(a) && !number(b) => Some((a, false)),
+                Arithmetic::Multiply | Arithmetic::Divide if number(b) && !number(a) => {
+                    Some((b, *op == Arithmetic::Divide))
+                }
+                Arithmetic::Add | Arithmetic::Subtract if !sums => None,
+                Arithmetic::Divide => factor(a, sums),
+                _ => factor(a, sums).or_else(|| factor(b, sums)),
             }
         }
         _ => None,

@@ -1,16 +1,18 @@
-//! Descriptions of the keywords for hovers: one or two sentences and an example each. The full reference is
-//! `grammar/README.md`.
+//! Descriptions of the keywords: one or two sentences and an example each. The full reference is `grammar/README.md`.
 
 /// The description of a keyword.
-pub(in crate::lsp) struct Meaning {
+#[derive(Debug, Clone, Copy)]
+pub struct Meaning {
+    /// The keyword.
     pub word: &'static str,
+    /// What it says.
     pub description: &'static str,
     /// Statements that contain the keyword.
     pub example: &'static str,
 }
 
 /// The description of a keyword, if the word is one.
-pub(in crate::lsp) fn meaning(word: &str) -> Option<&'static Meaning> {
+pub fn meaning(word: &str) -> Option<&'static Meaning> {
     MEANINGS.iter().find(|meaning| meaning.word == word)
 }
 
@@ -18,7 +20,8 @@ const fn means(word: &'static str, description: &'static str, example: &'static 
     Meaning { word, description, example }
 }
 
-const MEANINGS: &[Meaning] = &[
+/// The descriptions of all keywords.
+pub const MEANINGS: &[Meaning] = &[
     // Items.
     means(
         "import",
@@ -351,41 +354,3 @@ const MEANINGS: &[Meaning] = &[
 
 const VGLC: &str = "map vglc \"one.txt\" legend \"legend.json\" tile 16 x 16 { 'E': spawn Slime }";
 const LINK: &str = "link rect(64, 0, 16, 16) -> cellar at rect(0, 32, 16, 16) when hero.keys > 0";
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::source::FileId;
-    use crate::syntax::keywords;
-
-    #[test]
-    fn every_keyword_has_a_meaning() {
-        let all: Vec<&str> = keywords().iter().map(|keyword| keyword.word).collect();
-        let without: Vec<&&str> = all.iter().filter(|word| meaning(word).is_none()).collect();
-        assert!(without.is_empty(), "no text for {without:?}");
-        let unknown: Vec<&str> = MEANINGS.iter().map(|m| m.word).filter(|word| !all.contains(word)).collect();
-        assert!(unknown.is_empty(), "no words of the grammar: {unknown:?}");
-    }
-
-    #[test]
-    fn examples_fit_the_grammar_and_hold_their_word() {
-        let around = [
-            "|",
-            "entity A { | }",
-            "entity A { mode m { | } }",
-            "entity A { envelope x' by a { | } }",
-            "world W { | }",
-            "world W { space s { | } }",
-        ];
-        for Meaning { word, example, .. } in MEANINGS {
-            // Some lines of an example are alternatives, so that each is parsed alone.
-            let parts: Vec<&str> = if example.contains(['{', '"']) { vec![example] } else { example.lines().collect() };
-            for part in parts {
-                let fits = |outer: &&str| !crate::syntax::parse(FileId(0), &outer.replace('|', part)).1.has_errors();
-                assert!(around.iter().any(fits), "{word}: {part}");
-            }
-            let words: Vec<&str> = example.split(|c: char| !c.is_alphanumeric()).collect();
-            assert!(words.contains(word), "{word} is not in its example");
-        }
-    }
-}

@@ -152,7 +152,11 @@ impl Checker<'_> {
                     "mod", "if", "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost",
                     "near", "inside",
                 ];
-                let fact = unknown("function", other, function.span, known).suggestion(foreign::function(other));
+                let meant = match other {
+                    "distance" | "dist" if scope.entity.is_some() => Some(self.distance(arguments, scope)),
+                    _ => foreign::function(other),
+                };
+                let fact = unknown("function", other, function.span, known).suggestion(meant);
                 self.report_unknown(fact);
                 return None;
             }

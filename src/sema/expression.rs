@@ -328,7 +328,7 @@ impl Checker<'_> {
                     at: e.span,
                     what: "`is`",
                     inside: "a world's predicate",
-                    belongs: "in an entity, where it asks a reference",
+                    belongs: "in an entity, where it asks a reference; a predicate asks for a mode by `hero in MODE`",
                 });
                 None
             }

@@ -93,10 +93,7 @@ fn value(name: &str) -> Option<String> {
         }
         "horizontal" | "vertical" => format!("an axis is declared in the entity: `axis {name}`"),
         "time" | "elapsed" | "seconds" => "`timer` is the time since the mode was entered, s".into(),
-        "pi" | "PI" | "tau" | "TAU" => {
-            let value = if name.eq_ignore_ascii_case("pi") { "3.14159265" } else { "6.2831853" };
-            format!("`const {name} = {value}` gives the number a name")
-        }
+        "PI" | "TAU" => format!("it is written `{}`", name.to_lowercase()),
         _ if is_random(name) => NO_RANDOMNESS.into(),
         _ => return None,
     })

@@ -12,6 +12,10 @@ pub(super) fn foreign(failed: &Failure<'_>) -> Option<LikelyFix> {
         .or_else(|| inheritance(failed))
         .or_else(|| player(failed))
         .or_else(|| place(failed))
+        .or_else(|| point(failed))
+        .or_else(|| question(failed))
+        .or_else(|| tile(failed))
+        .or_else(|| setting(failed))
         .or_else(|| own_name(failed))
         .or_else(|| another(failed))
         .or_else(|| remainder(failed))
@@ -203,6 +207,79 @@ fn place(failed: &Failure<'_>) -> Option<LikelyFix> {
     let at = failed.rest().find('(').and_then(|at| failed.rest().get(at..));
     let point = at.and_then(|at| at.get(..=at.find(')')?)).filter(|point| point.len() <= 20).unwrap_or("(0, 0)");
     Some(LikelyFix::new(format!("an instance has a name of its own: `place {name}: {entity} at {point}`")))
+}
+
+/// A position without parentheses.
+fn point(failed: &Failure<'_>) -> Option<LikelyFix> {
+    let is_place = failed.rule == Rule::only_space_item && failed.first_word() == "place";
+    if is_place && failed.expects("`at`") {
+        let help = "a position follows `at`: `place hero: Hero at (0, 0)`";
+        let is_missing = failed.rest().starts_with('(');
+        let text = if failed.before().ends_with(' ') { "at " } else { " at " };
+        return Some(match is_missing {
+            true => LikelyFix::replacement(help, failed.at..failed.at, text),
+            false => LikelyFix::new(help),
+        });
+    }
+    if !is_place || !failed.before().trim_end().ends_with(" at") {
+        return None;
+    }
+    let rest = failed.rest();
+    let end = rest.find(['{', '\n', '/']).unwrap_or(rest.len());
+    let (x, y) = rest.get(..end)?.split_once(',')?;
+    let text = format!("({}, {})", x.trim(), y.trim());
+    let end = failed.at + x.len() + 1 + y.trim_end().len();
+    Some(LikelyFix::replacement(format!("a point is in parentheses: `{text}`"), failed.at..end, text))
+}
+
+/// A goal or a `never` without its name, or without a colon.
+fn question(failed: &Failure<'_>) -> Option<LikelyFix> {
+    let kind = failed.first_word();
+    let name = after_first(failed, kind).filter(|_| failed.rule == Rule::only_world_item)?;
+    if !["goal", "never"].contains(&kind) {
+        return None;
+    }
+    let rest = failed.rest();
+    if failed.found == "=" || (failed.expects("`:`") && !name.is_empty() && begins_with_name(rest)) {
+        let sign = usize::from(failed.found == "=");
+        let range = failed.before().trim_end().len()..failed.at + sign;
+        let help = format!("a colon is between the name and the predicate: `{kind} {name}: …`");
+        return Some(LikelyFix::replacement(help, range, if sign > 0 { ":" } else { ": " }));
+    }
+    let is_named = !name.is_empty() && !failed.expects("`:`");
+    (!is_named).then(|| LikelyFix::new(format!("a `{kind}` has a name: `{kind} NAME: PREDICATE`")))
+}
+
+/// A tile's character without its quotes, or two tiles on one line.
+fn tile(failed: &Failure<'_>) -> Option<LikelyFix> {
+    if !matches!(failed.rule, Rule::only_tile | Rule::only_kind) {
+        return None;
+    }
+    let rest = failed.rest();
+    if failed.at > 0 {
+        let is_next = failed.before().trim_end().ends_with(',') && rest.starts_with('\'');
+        return is_next.then(|| LikelyFix::new("tiles are on lines of their own, or separated by `;`"));
+    }
+    let (character, end) = match rest.strip_prefix('"') {
+        Some(quoted) => (quoted.chars().next()?, 2),
+        None => (rest.chars().next()?, 0),
+    };
+    let end = end + character.len_utf8();
+    let is_alone = rest.get(end..)?.trim_start().starts_with([':', '=']);
+    if !is_alone || rest.starts_with('\'') {
+        return None;
+    }
+    let help = format!("a tile's character is in single quotes: `'{character}'`");
+    Some(LikelyFix::replacement(help, 0..end, format!("'{character}'")))
+}
+
+/// A setting of an instance with another sign.
+fn setting(failed: &Failure<'_>) -> Option<LikelyFix> {
+    let is_sign = failed.expects("`=`") && [":", ":="].contains(&failed.found);
+    (failed.rule == Rule::only_setting && is_sign).then(|| {
+        let gap = if failed.before().ends_with(' ') { "=" } else { " =" };
+        LikelyFix::replacement("a setting is written `x = 1`", failed.at..failed.at + failed.found.len(), gap)
+    })
 }
 
 /// A name with another first letter.

@@ -116,6 +116,11 @@ const WORLD_ITEMS: &[ForeignWords] = &[
     (&["win", "reach", "target"], Some("goal"), "what is to be brought about is a `goal NAME: PREDICATE`"),
     (&["lose", "avoid", "assert", "forbid"], Some("never"), "what must not come about is a `never NAME: PREDICATE`"),
     (&["collision", "collisions", "contact"], Some("collide"), "contacts are ruled by `collide TAG with TAG: block`"),
+    (
+        &["gravity", "friction", "physics", "velocity"],
+        None,
+        "what moves is said by flows in entities: `y'' = -400` is a fall, px/s each second",
+    ),
     (&["map", "place", "rect", "bounds", "link"], None, "this belongs in a space: `space main { … }`"),
 ];
 
@@ -130,8 +135,8 @@ const RAMPS: &[ForeignWords] = &[(&["peak", "hold"], Some("sustain"), "a level t
 
 /// The most likely fix.
 pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Option<LikelyFix> {
-    comment(failed)
-        .or_else(|| foreign(failed))
+    foreign(failed)
+        .or_else(|| comment(failed))
         .or_else(|| condition(failed))
         .or_else(|| update(failed))
         .or_else(|| edge(failed))

@@ -93,7 +93,7 @@ fn value(name: &str) -> Option<String> {
         }
         "horizontal" | "vertical" => format!("an axis is declared in the entity: `axis {name}`"),
         "time" | "elapsed" | "seconds" => "`timer` is the time since the mode was entered, s".into(),
-        "PI" | "TAU" => format!("it is written `{}`", name.to_lowercase()),
+        "PI" | "TAU" => format!("the number is written `{}`", name.to_lowercase()),
         _ if is_random(name) => NO_RANDOMNESS.into(),
         _ => return None,
     })

@@ -2,7 +2,7 @@
 (function () {
   const reserved =
     "and or not in is as if true false none self timer param continuous discrete ref button axis " +
-    "collider kinematic clamp invariant group mode when envelope use spawn destroy entity behavior " +
+    "collider kinematic clamp invariant group mode when else envelope use spawn destroy entity behavior " +
     "world import const";
   const contextual =
     "int bool initial by fixed directions attack decay sustain for release while instant accel over " +

@@ -14,6 +14,12 @@ use super::expression::{ReadLimit, Scope};
 use super::foreign;
 use super::names::unknown;
 
+/// The names of all functions and of the atoms of guards.
+pub(crate) const FUNCTIONS: &[&str] = &[
+    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "mod", "if",
+    "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside",
+];
+
 impl Checker<'_> {
     pub(super) fn call(
         &mut self,
@@ -147,16 +153,11 @@ impl Checker<'_> {
                 });
             }
             other => {
-                let known = [
-                    "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2",
-                    "mod", "if", "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost",
-                    "near", "inside",
-                ];
                 let meant = match other {
                     "distance" | "dist" if scope.entity.is_some() => Some(self.distance(arguments, scope)),
                     _ => foreign::function(other),
                 };
-                let fact = unknown("function", other, function.span, known).suggestion(meant);
+                let fact = unknown("function", other, function.span, FUNCTIONS.iter().copied()).suggestion(meant);
                 self.report_unknown(fact);
                 return None;
             }

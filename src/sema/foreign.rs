@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::EntityId;
+use crate::syntax::NO_POWER;
 use crate::syntax::ast::{self, Expr, Item, MapSource, SpaceItem, TileSpawn, Word, WorldItem};
 
 use super::Checker;
@@ -102,7 +103,7 @@ fn value(name: &str) -> Option<String> {
 /// How the language writes a function that others have.
 pub(super) fn function(name: &str) -> Option<String> {
     Some(match name {
-        "pow" | "sqr" | "square" => "there is no power: `a * a` is the square of `a`, `sqrt(a)` its root".into(),
+        "pow" | "sqr" | "square" => NO_POWER.into(),
         "hypot" | "length" | "distance" | "dist" => "a distance is `sqrt(a * a + b * b)`".into(),
         "lerp" | "mix" => "between two values: `a + (b - a) * part`".into(),
         "sgn" | "signum" => "the sign is `sign(a)`".into(),

@@ -42,6 +42,8 @@ use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::occurrence::{NameKind, Occurrences};
 use crate::syntax::{MAX_OPERATORS, ast};
 
+#[cfg(all(test, feature = "lsp"))]
+pub(crate) use call::FUNCTIONS;
 use checked::Checked;
 use checked::SetId;
 pub use constant::{ConstantContext, ConstantError, evaluate};

@@ -1,6 +1,6 @@
 //! Modes: their tree, the look-up of a mode by path, edges and updates.
 
-use crate::ir::{Arithmetic, DiscreteId, EdgeId, Function, GroupId, Id, MAX_MODES, ModeId, Place, RefId, Subject};
+use crate::ir::{DiscreteId, EdgeId, Function, GroupId, Id, MAX_MODES, ModeId, Place, RefId, Subject};
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -17,15 +17,9 @@ use super::checked::{Action, Discrete, Edge, Entity, Follow, Given, Mode, Term, 
 use super::expression::{ReadLimit, Scope};
 use super::facts::Mark;
 use super::names::{Candidate, unknown};
+use super::operator::arithmetic;
 use super::reference::lost_by;
 use super::{Boxes, Checker};
-
-/// A variable plus or minus a number.
-fn adjusted(now: TermKind, ty: Type, operator: BinaryOp, by: Term, span: Span) -> Term {
-    let arithmetic = if operator == BinaryOp::Add { Arithmetic::Add } else { Arithmetic::Subtract };
-    let now = Term { kind: now, ty, span };
-    Term { kind: TermKind::Arithmetic(arithmetic, Box::new([now, by])), ty, span }
-}
 
 /// What an `else` negates.
 enum Otherwise {
@@ -362,7 +356,8 @@ impl Checker<'_> {
         }
         let ((low, high), span) = (discrete.range, update.span());
         let by = self.typed(&update.value, scope, &Type::Int)?;
-        let sum = adjusted(TermKind::Discrete(Subject::Me, id), Type::Int, operator, by, span);
+        let now = Term { kind: TermKind::Discrete(Subject::Me, id), ty: Type::Int, span };
+        let sum = arithmetic(operator, [now, by], span)?;
         let end = |at: i32| Term { kind: TermKind::Number(f64::from(at)), ty: Type::Int, span };
         let kind = TermKind::Call(Box::new((Function::Clamp, [sum, end(low), end(high)].into())));
         Some(Term { kind, ty: Type::Int, span })
@@ -411,8 +406,9 @@ impl Checker<'_> {
             let degree = self.primes(&update.variable);
             let mut value = self.number(&update.value, scope)?;
             if let Some(operator) = update.operator {
-                let now = TermKind::Var(Subject::Me, var, degree?);
-                value = adjusted(now, Type::Real, operator, value, update.span());
+                let span = update.span();
+                let now = Term { kind: TermKind::Var(Subject::Me, var, degree?), ty: Type::Real, span };
+                value = arithmetic(operator, [now, value], span)?;
             }
             return Some(Update { place: Place::Var(var, degree?), value, span: update.span() });
         }

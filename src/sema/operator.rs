@@ -9,35 +9,40 @@ use super::Checker;
 use super::checked::{Term, TermKind, Type};
 use super::expression::Scope;
 
+/// Arithmetic on two numbers, if the operator is one of it; whole if both are and nothing is divided.
+pub(super) fn arithmetic(op: BinaryOp, sides: [Term; 2], span: Span) -> Option<Term> {
+    let arithmetic = match op {
+        BinaryOp::Add => Arithmetic::Add,
+        BinaryOp::Subtract => Arithmetic::Subtract,
+        BinaryOp::Multiply => Arithmetic::Multiply,
+        BinaryOp::Divide => Arithmetic::Divide,
+        BinaryOp::And | BinaryOp::Or => return None,
+    };
+    let is_whole = sides.iter().all(|side| side.ty == Type::Int) && op != BinaryOp::Divide;
+    let ty = if is_whole { Type::Int } else { Type::Real };
+    Some(Term { kind: TermKind::Arithmetic(arithmetic, Box::new(sides)), ty, span })
+}
+
 impl Checker<'_> {
     /// A binary operator; of `and` and `or`, the right side knows what the left one tests.
     pub(super) fn binary(&mut self, op: BinaryOp, a: &Expr, b: &Expr, span: Span, scope: &Scope<'_>) -> Option<Term> {
-        let arithmetic = match op {
-            BinaryOp::And | BinaryOp::Or => {
-                // Both sides are checked, so that errors in both are reported.
-                let a = self.guard(a, scope);
-                let mark = self.facts.mark();
-                if let Some(a) = &a {
-                    self.facts.learn(a, op == BinaryOp::And);
-                }
-                let b = self.guard(b, scope);
-                if !self.facts.bindable {
-                    self.facts.forget(mark);
-                }
-                let sides = Box::new([a?, b?]);
-                let kind = if op == BinaryOp::And { TermKind::And(sides) } else { TermKind::Or(sides) };
-                return Some(Term { kind, ty: Type::Bool, span });
+        if matches!(op, BinaryOp::And | BinaryOp::Or) {
+            // Both sides are checked, so that errors in both are reported.
+            let a = self.guard(a, scope);
+            let mark = self.facts.mark();
+            if let Some(a) = &a {
+                self.facts.learn(a, op == BinaryOp::And);
             }
-            BinaryOp::Add => Arithmetic::Add,
-            BinaryOp::Subtract => Arithmetic::Subtract,
-            BinaryOp::Multiply => Arithmetic::Multiply,
-            BinaryOp::Divide => Arithmetic::Divide,
-        };
+            let b = self.guard(b, scope);
+            if !self.facts.bindable {
+                self.facts.forget(mark);
+            }
+            let sides = Box::new([a?, b?]);
+            let kind = if op == BinaryOp::And { TermKind::And(sides) } else { TermKind::Or(sides) };
+            return Some(Term { kind, ty: Type::Bool, span });
+        }
         let (a, b) = (self.number(a, scope), self.number(b, scope));
-        let (a, b) = (a?, b?);
-        let whole = a.ty == Type::Int && b.ty == Type::Int && op != BinaryOp::Divide;
-        let ty = if whole { Type::Int } else { Type::Real };
-        Some(Term { kind: TermKind::Arithmetic(arithmetic, Box::new([a, b])), ty, span })
+        arithmetic(op, [a?, b?], span)
     }
 
     /// A comparison, or a chain of them in one direction.

@@ -326,9 +326,13 @@ fn another(failed: &Failure<'_>) -> Option<LikelyFix> {
     })
 }
 
+/// Whether a character is part of a number, a variable or a path.
+fn is_part(c: char) -> bool {
+    c.is_alphanumeric() || matches!(c, '_' | '\'' | '.')
+}
+
 /// The start of the operand that ends a text: a number, a name, a call, an expression in parentheses.
 fn operand_before(text: &str) -> Option<usize> {
-    let is_part = |c: char| c.is_alphanumeric() || matches!(c, '_' | '\'' | '.');
     let name = |text: &str| text.trim_end_matches(is_part).len();
     let text = text.trim_end();
     if !text.ends_with(')') {
@@ -351,7 +355,6 @@ fn operand_before(text: &str) -> Option<usize> {
 
 /// The operand that begins a text, as it is written.
 fn operand_after(text: &str) -> Option<&str> {
-    let is_part = |c: char| c.is_alphanumeric() || matches!(c, '_' | '\'' | '.');
     let sign = usize::from(text.starts_with('-'));
     let mut end = text.get(sign..)?.find(|c: char| !is_part(c)).map_or(text.len(), |at| at + sign);
     if text.get(end..)?.starts_with('(') {
@@ -398,7 +401,8 @@ fn remainder(failed: &Failure<'_>) -> Option<LikelyFix> {
     Some(LikelyFix::replacement(format!("the remainder is written `{text}`"), start..end, text))
 }
 
-const NO_POWER: &str = "there is no power: `a * a` is the square of `a`, `sqrt(a)` its root";
+/// What there is instead of powers.
+pub(crate) const NO_POWER: &str = "there is no power: `a * a` is the square of `a`, `sqrt(a)` its root";
 
 /// `a ^ 2` or `a ** 2`.
 fn power(failed: &Failure<'_>) -> Option<LikelyFix> {

@@ -29,6 +29,7 @@ use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
 
 pub use expand::{MAX_EXPANDED_MEMBERS, expand};
+pub(crate) use foreign::NO_POWER;
 use grammar::Grammar;
 pub(crate) use grammar::Rule;
 pub use import::load;

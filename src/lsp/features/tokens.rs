@@ -7,9 +7,10 @@ use std::path::Path;
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Role};
 
+use crate::diagnostic::words::SIGNATURES;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::lexer::{Kind, tokens};
-use crate::lsp::text::words::{FUNCTIONS, is_keyword};
+use crate::lsp::text::words::is_keyword;
 use crate::lsp::view::View;
 
 /// The kind of a token.
@@ -81,7 +82,9 @@ fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize
             }
             Kind::Word => match names.get(&token.at.start) {
                 Some(name) => *name,
-                None if all.get(index + 1).is_some_and(|next| next.text(code) == "(") && FUNCTIONS.contains(&word) => {
+                None if all.get(index + 1).is_some_and(|next| next.text(code) == "(")
+                    && SIGNATURES.iter().any(|function| function.name == word) =>
+                {
                     TokenKind::Function
                 }
                 None if is_keyword(word) => TokenKind::Keyword,

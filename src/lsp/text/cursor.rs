@@ -70,6 +70,8 @@ pub(in crate::lsp) struct CursorContext<'t> {
     pub word: std::ops::Range<usize>,
     /// The open calls, outermost first.
     pub calls: Vec<Call<'t>>,
+    /// Whether the statement ends unless the next token continues it.
+    is_line_over: bool,
     /// The offset of the statement.
     statement_start: usize,
     /// The indentation of the first line of the statement, bytes.
@@ -104,6 +106,9 @@ impl<'t> CursorContext<'t> {
             }
             cursor.consume(text, &token, &mut brackets);
         }
+        if cursor.is_line_over {
+            cursor.statement.clear();
+        }
         for Bracket { start, commas, last } in brackets {
             let word = |at: Option<usize>| at.and_then(|at| cursor.statement.get(at)).copied().unwrap_or_default();
             let (name, before) = (word(start.checked_sub(1)), word(start.checked_sub(2)));
@@ -115,15 +120,19 @@ impl<'t> CursorContext<'t> {
 
     fn consume(&mut self, text: &'t str, token: &Token, brackets: &mut Vec<Bracket>) {
         let word = text.get(token.at.clone()).unwrap_or_default();
+        let is_blank = matches!(token.kind, Kind::Newline | Kind::Comment);
+        if !is_blank && std::mem::take(&mut self.is_line_over) && !goes_on(word) {
+            self.statement.clear();
+        }
         let line = text.get(..token.at.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
         let is_first = text.get(line..token.at.start).is_some_and(|before| before.trim().is_empty());
-        if is_first && brackets.is_empty() && !matches!(token.kind, Kind::Newline | Kind::Comment) {
+        if is_first && brackets.is_empty() && !is_blank {
             let indent = token.at.start - line;
             // Less indentation than the head of a block: its closing brace is missing.
             while self.blocks.last().is_some_and(|open| open.indent > indent) {
                 self.blocks.pop();
             }
-            if self.statement.is_empty() && !matches!(word, "and" | "or" | "->" | "{") {
+            if self.statement.is_empty() && !goes_on(word) {
                 self.indent = indent;
             }
         }
@@ -148,29 +157,7 @@ impl<'t> CursorContext<'t> {
                 brackets.clear();
             }
             _ if token.kind == Kind::Newline => {
-                let continues = self.statement.last().is_some_and(|last| {
-                    matches!(
-                        *last,
-                        "and"
-                            | "or"
-                            | "not"
-                            | ","
-                            | "+"
-                            | "-"
-                            | "*"
-                            | "/"
-                            | "<"
-                            | ">"
-                            | "="
-                            | ":="
-                            | "+="
-                            | "-="
-                            | "->"
-                    )
-                });
-                if brackets.is_empty() && !continues {
-                    self.statement.clear();
-                }
+                self.is_line_over = brackets.is_empty() && !self.statement.last().is_some_and(|last| awaits_more(last));
             }
             _ if token.kind == Kind::Comment => {}
             _ => {
@@ -210,6 +197,18 @@ impl<'t> CursorContext<'t> {
     pub fn previous(&self, count: usize) -> &'t str {
         self.statement.len().checked_sub(count).and_then(|at| self.statement.get(at)).copied().unwrap_or_default()
     }
+}
+
+const OPERATORS: &[&str] = &["and", "or", "+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!="];
+
+/// Whether a statement continues after a line that ends with this token.
+fn awaits_more(token: &str) -> bool {
+    OPERATORS.contains(&token) || matches!(token, "not" | "," | "=" | ":=" | "+=" | "-=" | "->")
+}
+
+/// Whether a line that begins with this token continues the statement before.
+fn goes_on(token: &str) -> bool {
+    OPERATORS.contains(&token) || matches!(token, "->" | "{")
 }
 
 /// The kind and the name of a block, from the words of its head.
@@ -262,6 +261,11 @@ mod tests {
         assert_eq!(CursorContext::at(&text, byte).block(), Some(Block::Mode), "a head of several lines");
         let (text, byte) = at("entity A {\nmode m {\nwhen x > 3 {\n|");
         assert_eq!(CursorContext::at(&text, byte).block(), Some(Block::Updates), "not indented at all");
+        let (text, byte) = at("entity A {\n    mode m {\n        when x\n            > 3\n        {\n            |");
+        assert_eq!(CursorContext::at(&text, byte).block(), Some(Block::Updates), "a line begins with an operator");
+        let (text, byte) = at("entity A\n{\n    mode m\n    {\n        x' = 3\n        |");
+        let cursor = CursorContext::at(&text, byte);
+        assert_eq!((cursor.block(), cursor.previous(1)), (Some(Block::Mode), ""), "a brace on a line of its own");
     }
 
     #[test]

@@ -69,6 +69,7 @@
   '((any "\\_<\\(any\\)[ \t]+" free)
     (any operand "\\(touching\\)\\(?:[ \t]*\"\\|[ \t]+" tag "\\)")
     (members "\\_<\\(initial\\)[ \t]+\\(?:mode\\|when\\)\\_>")
+    (members "\\_<\\(always\\)[ \t\n]*{")
     (members "\\_<\\(follow\\)[ \t]+\\(links\\)\\_>[ \t]*\\(?:[^':= \t]\\|$\\)")
     (members "\\_<discrete[ \t]+" name "[ \t]*:[ \t]*\\(int\\|bool\\)\\_>")
     (members "\\_<envelope[ \t]+\\(?:" name "'*\\|([^)]*)\\)[ \t]+\\(by\\|fixed\\)\\_>")
@@ -138,6 +139,7 @@
 (defconst hyped--headers
   '(("world" . world) ("space" . space) ("tiles" . inner) ("place" . inner) ("map" . inner) ("envelope" . ramps)
     ("entity" . members) ("behavior" . members) ("group" . members) ("mode" . members) ("initial" . members)
+    ("always" . members)
     ("when" . members) ("else" . members) ("follow" . members)))
 
 (defun hyped--block (position)

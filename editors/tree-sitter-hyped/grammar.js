@@ -77,7 +77,7 @@ module.exports = grammar({
 
     block: $ => block(
       $,
-      [$.group, $.mode, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
+      [$.group, $.mode, $.always, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
       [
         $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.collider, $.clamp, $.invariant,
         $.edge, $.follow, $.put, $.spawn, $.destroy, $.flow, $.update,
@@ -126,6 +126,7 @@ module.exports = grammar({
     group: $ => seq('group', field('name', $.identifier), field('body', $.block)),
     mode: $ => seq(optional($.initial), 'mode', field('name', $.identifier), field('body', $.block)),
     initial: $ => seq('initial', optional($._guard)),
+    always: $ => seq('always', field('body', $.block)),
     _guard: $ => seq('when', field('guard', $.expression)),
 
     flow: $ => seq(field('variable', alias($._member_variable, $.variable)), '=', field('value', $.expression)),
@@ -294,7 +295,9 @@ module.exports = grammar({
     variable: $ => seq($.identifier, optional($.primes)),
     // At the start of a statement, these two names can also be keywords.
     _member_variable: $ => seq($._flowing_name, optional($.primes)),
-    _flowing_name: $ => choice($.identifier, alias('follow', $.identifier), alias('initial', $.identifier)),
+    _flowing_name: $ => choice(
+      $.identifier, alias('follow', $.identifier), alias('initial', $.identifier), alias('always', $.identifier),
+    ),
     primes: _ => token.immediate(/'+/),
     tags: $ => commas($.tag),
     tag: $ => choice($.identifier, $.text),

@@ -9,7 +9,7 @@ use crate::compile::LevelFile;
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
 use crate::diagnostic::{Diagnostics, similar};
-use crate::ir::{Domain, GoalId, Id, NeverId, Origin, Program, SlotId, SpawnId, World, WorldId};
+use crate::ir::{Domain, GoalId, GroupId, Id, NeverId, Origin, Program, SlotId, SpawnId, World, WorldId};
 use crate::sim::{
     Fault, Input, Scratch, Script, Simulator, TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter,
     parse_script,
@@ -368,9 +368,12 @@ impl<'s> Report<'s> {
                 }
                 continue;
             }
+            // A group of one mode says nothing beside others.
+            let says = |group: &GroupId| entity.groups.len() == 1 || entity.groups[*group].modes.len() > 1;
             let modes: Vec<&str> = entity
                 .groups
                 .ids()
+                .filter(says)
                 .map(|g| entity.modes[entity.leaves[layout.leaf(&self.last, g)].mode].path.as_str())
                 .collect();
             let mut values: Vec<String> = entity

@@ -68,7 +68,6 @@ codes! {
     EdgeOutOfGroup Error "E0401" "an edge leads into another group"
     FlowConflict Error "E0402" "a variable is driven twice"
     UpdateConflict Error "E0403" "a variable is updated twice"
-    MixedGroups Error "E0404" "modes beside named groups"
     BadEnvelope Error "E0405" "an envelope is incomplete or contradicts itself"
     BadCollider Error "E0406" "a collider has no extent"
     LostReference Error "E0407" "a reference is read where it may be none"

@@ -384,6 +384,8 @@ pub struct Mode {
     pub parent: Option<ModeId>,
     /// Its child modes.
     pub children: Vec<ModeId>,
+    /// Whether it stands for `always { … }`.
+    pub is_always: bool,
     /// Marked `initial` without a guard.
     pub marked_initial: bool,
     /// Guard of `initial when`.

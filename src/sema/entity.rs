@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::diagnostic::catalogue::file::TooMany;
-use crate::diagnostic::catalogue::structure::MixedGroups;
+use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::ir::{
@@ -13,7 +13,7 @@ use crate::ir::{
     VarId,
 };
 use crate::source::Span;
-use crate::syntax::ast::{self, Domain, Expr, Member, Name, Word};
+use crate::syntax::ast::{self, ALWAYS, Domain, Expr, Initial, Member, Name, Word};
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::SetId;
@@ -317,38 +317,60 @@ impl Checker<'_> {
         }
     }
 
-    /// Groups and modes, numbered in preorder.
+    /// Groups and modes, numbered in preorder. Modes outside of groups are one group, so is what `always` holds; both
+    /// stand where the first of them is written.
     fn groups(&mut self, members: Vec<Member>, entity: &mut Entity, body: &mut Boxes<ast::Mode>) {
-        let mut group_names: Table<()> = Table::new("group");
-        let first_group = members.iter().find_map(|m| match m {
-            Member::Group(g) => Some(g.name.span),
-            _ => None,
-        });
-        let mut anonymous: Boxes<ast::Mode> = Boxes::new();
+        let mut group_names: Table<Span> = Table::new("group");
+        let mut groups: Vec<(Option<Name>, Boxes<ast::Mode>)> = Vec::new();
+        let (mut anonymous, mut always) = (None, None);
         for member in members {
             match member {
                 Member::Group(group) => {
                     self.record_declaration(NameKind::Group, &group.name);
-                    group_names.declare(&group.name, (), &mut self.diagnostics);
+                    group_names.declare(&group.name, group.name.span, &mut self.diagnostics);
                     let mut modes = Vec::new();
                     for inner in group.members {
                         match inner {
-                            Member::Mode(mode) => modes.push(mode),
+                            Member::Mode(mode) if mode.initial != Initial::Always => modes.push(mode),
+                            Member::Mode(_) => {
+                                self.misplaced(&inner, "a group", "in the entity, outside of its groups")
+                            }
                             other => self.misplaced(&other, "a group", "in the entity or in a mode"),
                         }
                     }
-                    self.add_group(Some(&group.name), modes, entity, body);
+                    groups.push((Some(group.name), modes));
                 }
                 Member::Mode(mode) => {
-                    if let Some(group) = first_group.filter(|_| anonymous.is_empty()) {
-                        self.diagnostics.report(MixedGroups { mode: mode.name.span, group });
+                    let place = if mode.initial == Initial::Always { &mut always } else { &mut anonymous };
+                    let at = *place.get_or_insert(groups.len());
+                    match groups.get_mut(at) {
+                        // Several `always` are one mode, which may come from several behaviours.
+                        Some((_, modes)) if mode.initial == Initial::Always => {
+                            modes
+                                .iter_mut()
+                                .take(1)
+                                .for_each(|first| first.members.extend(mode.members.iter().cloned()));
+                        }
+                        Some((_, modes)) => modes.push(mode),
+                        None => groups.push((None, vec![mode])),
                     }
-                    anonymous.push(mode);
                 }
                 _ => {}
             }
         }
-        self.add_group(None, anonymous, entity, body);
+        let outermost = anonymous.and_then(|at| groups.get(at)).into_iter().flat_map(|(_, modes)| modes);
+        for mode in outermost {
+            let other = always.filter(|_| mode.name.text == ALWAYS).and_then(|at| groups.get(at));
+            let other = other.and_then(|(_, modes)| modes.first()).map(|always| always.name.span);
+            // A path would name both.
+            if let Some(first) = group_names.get(&mode.name.text).copied().or(other) {
+                let (name, second) = (mode.name.text.to_string(), mode.name.span);
+                self.diagnostics.report(DuplicateName { kind: "group or mode", name, first, second });
+            }
+        }
+        for (name, modes) in groups {
+            self.add_group(name.as_ref(), modes, entity, body);
+        }
     }
 
     fn add_group(
@@ -376,6 +398,7 @@ impl Checker<'_> {
             Member::Axes(list) => (list.1, "an `axis`"),
             Member::Collider(c) => (c.span, "a `collider`"),
             Member::Group(g) => (g.name.span, "a `group`"),
+            Member::Mode(m) if m.initial == Initial::Always => (m.name.span, "`always`"),
             Member::Mode(m) => (m.name.span, "a `mode`"),
             Member::Flow(a) => (a.span(), "a flow"),
             Member::Entry(update) => match &**update {
@@ -422,7 +445,7 @@ impl Checker<'_> {
                     entity.invariants.extend(self.guard(&invariant.predicate, &scope));
                 }
                 Member::Entry(_) | Member::Edge(_) | Member::Follow(_) => {
-                    self.misplaced(&member, "an entity outside of its modes", "inside a mode");
+                    self.misplaced(&member, "an entity outside of its modes", "inside a mode, or in `always { … }`");
                 }
                 _ => {}
             }

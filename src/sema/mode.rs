@@ -107,6 +107,7 @@ impl Checker<'_> {
                 parent,
                 children: Vec::new(),
                 marked_initial: mode.initial == Initial::Plain,
+                is_always: mode.initial == Initial::Always,
                 initial_when: None,
                 drives: Vec::new(),
                 entry: Vec::new(),
@@ -114,7 +115,9 @@ impl Checker<'_> {
                 follows: Vec::new(),
                 span: mode.span,
             });
-            let inner = mode.members.extract_if(.., |member| matches!(member, Member::Mode(_)));
+            let is_inner = |member: &mut Member| matches!(member, Member::Mode(m) if m.initial != Initial::Always);
+            let is_always = mode.initial == Initial::Always;
+            let inner = mode.members.extract_if(.., |member| !is_always && is_inner(member));
             let inner = inner.filter_map(|member| if let Member::Mode(inner) = member { Some(inner) } else { None });
             let inner: Boxes<ast::Mode> = inner.collect();
             body.push(mode);
@@ -174,12 +177,19 @@ impl Checker<'_> {
         if let Initial::When(guard) = &syntax.initial {
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(ReadLimit::Params));
         }
+        let is_always = syntax.initial == Initial::Always;
         let mut otherwise = Otherwise::None;
         let mut members = syntax.members.into_iter().peekable();
         while let Some(member) = members.next() {
             let is_else = |next: &Member| matches!(next, Member::Edge(edge) if edge.guard.kind == ExprKind::Else);
             let before = std::mem::replace(&mut otherwise, Otherwise::None);
             match member {
+                Member::Flow(_) | Member::Envelope(_) if is_always => {
+                    self.misplaced(&member, "`always`", "in the entity, where it holds in all modes");
+                }
+                Member::Entry(_) if is_always => {
+                    self.misplaced(&member, "`always`, which is never entered", "on an edge: `when GUARD { … }`");
+                }
                 Member::Flow(flow) => {
                     if let Some(drive) = self.flow(&flow, scope) {
                         entity.modes[id].drives.push(drive);
@@ -210,7 +220,8 @@ impl Checker<'_> {
                         entity.modes[id].follows.push(follow);
                     }
                 }
-                Member::Mode(_) | Member::Use(_) => {}
+                Member::Use(_) => {}
+                Member::Mode(_) if is_always => self.misplaced(&member, "`always`", "beside it, in the entity"),
                 other => self.misplaced(&other, "a mode", "in the entity, outside of its modes"),
             }
         }
@@ -267,6 +278,7 @@ impl Checker<'_> {
                     target: path.span(),
                     path: entity.modes[target].path.join("."),
                     declared: entity.modes[target].name.span,
+                    is_always: entity.modes[source].is_always,
                     own: entity.modes.iter().filter(|m| m.group == group).map(|m| m.path.join(".")).collect(),
                 });
                 return None;

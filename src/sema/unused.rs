@@ -54,7 +54,11 @@ fn standalone_entity(behavior: &Behavior) -> Entity {
     let is_of_a_mode = |m: &Member| matches!(m, Member::Edge(_) | Member::Entry(_) | Member::Follow(_));
     if !has_groups && members.iter().any(is_of_a_mode) {
         let (inner, outer) = members.into_iter().partition(|m| {
-            is_of_a_mode(m) || matches!(m, Member::Mode(_) | Member::Flow(_) | Member::Envelope(_) | Member::Use(_))
+            let is_inner = match m {
+                Member::Mode(mode) => mode.initial != Initial::Always,
+                other => matches!(other, Member::Flow(_) | Member::Envelope(_) | Member::Use(_)),
+            };
+            is_inner || is_of_a_mode(m)
         });
         members = outer;
         let name = Name { text: "behavior".into(), span: behavior.name.span };

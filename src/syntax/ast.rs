@@ -135,7 +135,7 @@ pub enum Member {
     Collider(Box<Collider>),
     /// `group name { … }`
     Group(Box<Group>),
-    /// `mode name { … }`
+    /// `mode name { … }`, `always { … }`
     Mode(Box<Mode>),
     /// `x' = e`
     Flow(Box<Assignment>),
@@ -260,9 +260,14 @@ pub struct Group {
     pub span: Span,
 }
 
-/// Whether a mode is marked as the first one.
+/// The name of the mode that `always { … }` stands for.
+pub const ALWAYS: &str = "always";
+
+/// When a mode is entered.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Initial {
+    /// `always { … }`: a mode of that name, which is active as long as the instance is there.
+    Always,
     /// Not marked.
     No,
     /// `initial`
@@ -271,10 +276,10 @@ pub enum Initial {
     When(Box<Expr>),
 }
 
-/// `mode name { … }`
+/// `mode name { … }`, `always { … }`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
-    /// Whether it is marked `initial`.
+    /// When it is entered.
     pub initial: Initial,
     /// Its name.
     pub name: Name,

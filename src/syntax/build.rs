@@ -14,9 +14,9 @@ use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Behavior, BinaryOp, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete, Domain, Edge,
-    Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member, Mode, Name, Path,
-    Ramp, RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
+    ALWAYS, Assignment, Behavior, BinaryOp, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete,
+    Domain, Edge, Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member,
+    Mode, Name, Path, Ramp, RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
@@ -325,6 +325,13 @@ impl<'a> Builder<'a> {
                 let doc = self.doc(span).map(String::into_boxed_str);
                 let mode = initial.map(|initial| Mode { initial, name, members, doc, span });
                 Some((mode.map(|mode| Member::Mode(mode.into())), end))
+            }
+            Rule::always_head => {
+                let name = Name { text: ALWAYS.into(), span: self.span(start, start + ALWAYS.len()) };
+                let (members, end) = self.block(&MEMBERS, end)?;
+                let span = self.span(start, end);
+                let doc = self.doc(span).map(String::into_boxed_str);
+                Some((Some(Member::Mode(Mode { initial: Initial::Always, name, members, doc, span }.into())), end))
             }
             Rule::edge_head => {
                 let inner = parts(pair);

@@ -104,6 +104,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_tile
             | R::word_from
             | R::word_int
+            | R::word_always
             | R::word_initial
             | R::word_by
             | R::word_directions

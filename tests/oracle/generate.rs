@@ -192,16 +192,22 @@ impl Generator<'_> {
             let flow = self.flow(var);
             self.line(format!("    {flow}"));
         }
+        if role != Role::Shot && self.draw.chance(10) {
+            let (guard, update) = (self.guard(2), self.update());
+            self.line(format!("    always {{ when {guard} {{ {update} }} }}"));
+        }
         let groups = self.modes[role as usize].clone();
+        let nameless = self.draw.chance(30).then(|| self.draw.pick(groups.len()));
         for (group, modes) in groups.iter().enumerate() {
             self.group = group;
-            if groups.len() > 1 {
+            let is_named = groups.len() > 1 && nameless != Some(group);
+            if is_named {
                 self.line(format!("    group {} {{", ["first", "second"][group]));
             }
             for mode in modes {
                 self.a_mode(mode, groups.len() > 1, group);
             }
-            if groups.len() > 1 {
+            if is_named {
                 self.line("    }");
             }
         }

@@ -58,9 +58,12 @@ impl Generator<'_> {
             2 => &[&["x", "y"], &["q"]],
             _ => &[&["x"], &["y"], &["q"]],
         };
+        if self.draw.chance(12) {
+            self.always();
+        }
         for (group, driven) in driven.iter().enumerate() {
             self.group = Some(group);
-            let is_named = plan.modes.len() > 1;
+            let is_named = plan.modes.len() > 1 && plan.nameless != Some(group);
             if is_named {
                 self.line(format!("group g{group} {{"));
             }
@@ -76,6 +79,15 @@ impl Generator<'_> {
             self.line("group blink { use Blink(t = delay) }");
         }
         std::mem::take(&mut self.out)
+    }
+
+    /// Edges beside all modes.
+    fn always(&mut self) {
+        self.line("always {");
+        for _ in 0..1 + self.draw.pick(2) {
+            self.edge(&[]);
+        }
+        self.line("}");
     }
 
     /// Colliders, each active in one of the modes.
@@ -299,7 +311,7 @@ impl Generator<'_> {
 
     /// Writes an edge unless it would do nothing; returns whether it was written.
     fn edge_on(&mut self, guard: &str, named: Option<Option<usize>>, siblings: &[String]) -> bool {
-        let target = match self.draw.chance(65) {
+        let target = match !siblings.is_empty() && self.draw.chance(65) {
             true => format!(" -> {}", siblings[self.draw.pick(siblings.len())]),
             false => String::new(),
         };

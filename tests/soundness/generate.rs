@@ -36,6 +36,8 @@ pub struct Plan {
     pub tag: &'static str,
     /// The paths of the modes of each group, outer modes first.
     pub modes: Vec<Vec<String>>,
+    /// The group without a name, of several.
+    pub nameless: Option<usize>,
     pub is_kinematic: bool,
     pub is_played: bool,
     /// Whether anything spawns it.
@@ -212,9 +214,11 @@ fn plan(draw: &mut Draw<'_>, index: usize, is_small: bool) -> Plan {
     let (name, tag) = NAMES[index];
     let groups = if is_small { [1, 0, 1, 1][draw.pick(4)] } else { [1, 1, 1, 0, 2, 1, 0, 1, 3][draw.pick(9)] };
     let mut modes = Vec::new();
+    let nameless = (groups > 1 && draw.chance(30)).then(|| draw.pick(groups));
     for group in 0..groups {
         let count = if is_small { [2, 1, 2][draw.pick(3)] } else { [2, 1, 2, 3, 2][draw.pick(5)] };
-        let prefix = if groups > 1 { format!("g{group}.") } else { String::new() };
+        let is_named = groups > 1 && nameless != Some(group);
+        let prefix = if is_named { format!("g{group}.") } else { String::new() };
         let mut paths = Vec::new();
         for mode in 0..count {
             let path = format!("{prefix}m{group}{mode}");
@@ -227,7 +231,7 @@ fn plan(draw: &mut Draw<'_>, index: usize, is_small: bool) -> Plan {
         modes.push(paths);
     }
     let is_kinematic = index > 0 && draw.chance(35);
-    Plan { name: name.into(), tag, modes, is_kinematic, is_played: draw.chance(25), is_spawned: false }
+    Plan { name: name.into(), tag, modes, nameless, is_kinematic, is_played: draw.chance(25), is_spawned: false }
 }
 
 impl Generator<'_> {

@@ -67,6 +67,7 @@ impl Situation {
         let plan = |(index, modes): (usize, &&[&str])| Plan {
             name: NAMES[index].0.into(),
             tag: NAMES[index].1,
+            nameless: None,
             modes: if modes.is_empty() { Vec::new() } else { vec![modes.iter().map(|m| (*m).to_string()).collect()] },
             is_kinematic: index == 1,
             is_played: index == 0,

@@ -255,6 +255,9 @@ impl Tally {
                 let is_set = entity.edges[edge].needs.iter().all(|r| layout.reference(before, *r).is_some());
                 if is_set && eye.truth(entity.edges[edge].guard) == Some(true) {
                     self.note("an edge without a target");
+                    if entity.modes[entity.edges[edge].source].path == "always" {
+                        self.note("an edge of always");
+                    }
                     self.note_else(sim, &entity.edges[edge]);
                     self.watch_actions(sim, slot, &entity.edges[edge].actions);
                 }
@@ -264,6 +267,9 @@ impl Tally {
                 let is_around = target <= source && source < entity.modes[target].end;
                 self.note(if is_around { "an edge that starts a mode anew" } else { "an edge" });
                 self.note_else(sim, &entity.edges[edge]);
+                if entity.groups[group].name.is_none() && entity.groups.iter().any(|g| g.name.is_some()) {
+                    self.note("an edge of modes beside groups");
+                }
                 let modes = &entity.modes;
                 if modes[target].chooses || modes[target].inner.is_some() {
                     self.note("an edge into a mode with modes");
@@ -582,6 +588,8 @@ const EVENTS: &[&str] = &[
     "an edge",
     "an edge without a target",
     "an edge by else",
+    "an edge of always",
+    "an edge of modes beside groups",
     "an edge that starts a mode anew",
     "an edge into a mode with modes",
     "an entry update",

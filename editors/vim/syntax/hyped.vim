@@ -61,6 +61,7 @@ syn match hypedDomainWord /\%(:\s*\)\@<=\%(int\|bool\)\>/ contained
 syn keyword hypedMember group mode nextgroup=hypedLabel skipwhite contained
 syn match hypedLabel /\K\k*/ contained
 syn match hypedModifier /\<initial\>\ze\s\+\%(mode\|when\)\>/ contained
+syn match hypedModifier /\<always\>\ze\s*\%({\|\/\/\|$\)/ contained
 syn match hypedFollow /\<follow\s\+links\>\%(\s*\%('\|:\?=\)\)\@!/ contained
 
 " The driven variable precedes `by`; it can have any name.

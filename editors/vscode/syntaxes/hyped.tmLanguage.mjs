@@ -101,6 +101,7 @@ const repository = {
       groups(r`\b(group)\s+(${NAME})`, 'storage.type', 'entity.name.namespace'),
       groups(r`\b(mode)\s+(${NAME})`, 'storage.type', 'entity.name.label'),
       groups(r`\b(initial)(?=\s+(?:mode|when)\b)`, 'storage.modifier'),
+      groups(r`\b(always)(?=\s*(?:\{|//|$))`, 'storage.type'),
       groups(r`\b(param|continuous|discrete|ref|group|mode|kinematic)\b`, 'storage.type'),
     ],
   },

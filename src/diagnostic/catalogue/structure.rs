@@ -13,6 +13,8 @@ pub struct EdgeOutOfGroup {
     pub declared: Span,
     /// The modes of the edge's own group.
     pub own: Vec<String>,
+    /// Whether the edge is in `always`.
+    pub is_always: bool,
 }
 
 impl Fact for EdgeOutOfGroup {
@@ -24,6 +26,11 @@ impl Fact for EdgeOutOfGroup {
         )
         .at(self.target, "leads out of the group")
         .and(self.declared, "declared here");
+        if self.is_always {
+            return d
+                .note("what `always` holds stays active: its edges lead nowhere")
+                .help("put the modes that it leaves into a mode around them, and the edge there");
+        }
         if own.is_empty() || own.len() > 8 {
             return d;
         }
@@ -72,23 +79,6 @@ impl Fact for UpdateConflict {
             .at(self.second, "updated again here")
             .and(self.first, "updated here")
             .note("all updates of one edge happen at once")
-    }
-}
-
-/// Modes outside of the named groups.
-pub struct MixedGroups {
-    /// The mode.
-    pub mode: Span,
-    /// A named group.
-    pub group: Span,
-}
-
-impl Fact for MixedGroups {
-    fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::MixedGroups, "a mode is beside named groups")
-            .at(self.mode, "in no group")
-            .and(self.group, "a named group")
-            .help("put the mode into a `group` of its own")
     }
 }
 

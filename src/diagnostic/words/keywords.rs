@@ -117,6 +117,12 @@ pub const MEANINGS: &[Meaning] = &[
         "mode ground {\n    y' = 0\n    when pressed(jump) -> air { y' := 160 }\n}",
     ),
     means(
+        "always",
+        "Edges of an entity that are looked at whatever modes are active. They lead nowhere; `timer` is the time since \
+         the instance was made.",
+        "always {\n    when touching(body, coin) as c { coins += 1; destroy c }\n}",
+    ),
+    means(
         "initial",
         "The mode that comes first, instead of the first one written. With a guard over constants and parameters: if that \
          holds.",

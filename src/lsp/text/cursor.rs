@@ -3,6 +3,7 @@
 
 use super::lexer::{Kind, Token, tokens};
 use super::words::statement_starts;
+use crate::syntax::ast::ALWAYS;
 
 /// The kind of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -221,6 +222,7 @@ fn block_of_head<'t>(head: &[&'t str], outer: Option<Block>) -> (Block, &'t str)
         ("world", _) => (Block::World, word(1)),
         ("group", _) => (Block::Group, word(1)),
         ("mode" | "initial", _) => (Block::Mode, after("mode")),
+        ("always", Some(Block::Entity | Block::Behavior)) => (Block::Mode, ALWAYS),
         ("when" | "else" | "follow" | "->" | "and" | "or", _) => (Block::Updates, ""),
         ("envelope", _) => (Block::Envelope, ""),
         ("tiles", Some(Block::World)) => (Block::Tiles, word(1)),

@@ -48,6 +48,7 @@ const IN_ENTITIES: &[&str] = &[
     "group",
     "mode",
     "initial",
+    "always",
     "envelope",
     "use",
 ];
@@ -81,6 +82,7 @@ const ITEMS: &[Snippet] = &[
 const MEMBERS: &[Snippet] = &[
     MODE,
     ENVELOPE,
+    snippet("always …", "always {\n    when ${1:guard} { $0 }\n}", "edges whatever modes are active"),
     snippet("group …", "group ${1:name} {\n    $0\n}", "modes that run beside others"),
     snippet("collider …", "collider ${1:body}: rect(${2:0, 0, 16, 16})", "a shape with tags"),
     snippet("discrete …", "discrete ${1:name}: int ${2:0}..${3:9} = ${4:0}", "a whole number"),

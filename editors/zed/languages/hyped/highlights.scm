@@ -75,8 +75,8 @@
 ["entity" "behavior" "world" "space" "tiles"] @keyword.type
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
-  "mode" "envelope" "use" "spawn" "destroy" "initial" "follow" "links" "step" "collide" "limit" "player" "goal"
-  "never" "map" "place" "link" "rect" "bounds" "int"
+  "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
+  "goal" "never" "map" "place" "link" "rect" "bounds" "int"
 ] @keyword
 (bool_domain) @keyword
 [

@@ -104,3 +104,45 @@ fn json_has_every_combination() {
     // An end that is open: the car may leave the map.
     assert!(y[0][1].is_null(), "{y}");
 }
+
+#[test]
+fn the_tag_of_a_contact_and_is_say_what_is_named() {
+    let path = written(
+        "named.hyped",
+        "entity Berry { discrete worth: int 0..9 = 3; collider food: rect(0, 0, 8, 8); mode there { } }
+         entity Melon { discrete worth: int 0..9 = 7; collider food: rect(0, 0, 8, 8); mode there { } }
+         entity Rock { discrete worth: int 0..9 = 9; collider stone: rect(0, 0, 8, 8); mode there { } }
+         entity Hero {
+             axis horizontal
+             discrete eaten: int 0..9 = 0
+             discrete sweet: int 0..9 = 0
+             collider body: rect(0, 0, 16, 16)
+             always {
+                 when touching(food) as b and b is Berry { eaten := b.worth; destroy b }
+                 when touching(food) as m and m is Melon and m.worth < 5 { sweet := 1 }
+             }
+             x' = 60 * horizontal
+         }
+         world W {
+             collide body with food: sense
+             collide body with stone: block
+             space main {
+                 place hero: Hero at (0, 0)
+                 place berry: Berry at (40, 0); place melon: Melon at (80, 0); place rock: Rock at (160, 0)
+             }
+             player 1: hero
+             goal much: hero.eaten > 3
+             goal light: hero.sweet == 1
+             goal sated: hero.eaten == 3
+         }",
+    );
+    let text = bounds(&[&path]);
+    for (slot, can_be_absent) in [("berry", true), ("melon", false), ("rock", false), ("hero", false)] {
+        let line = text.lines().find(|line| line.starts_with(&format!("{slot}: "))).unwrap();
+        assert_eq!(line.contains("can be absent"), can_be_absent, "{text}");
+    }
+    for (goal, is_ruled_out) in [("much", true), ("light", true), ("sated", false)] {
+        let line = text.lines().find(|line| line.contains(&format!("goal {goal}: "))).unwrap();
+        assert_eq!(!line.contains("not ruled out"), is_ruled_out, "{text}");
+    }
+}

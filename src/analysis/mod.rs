@@ -279,6 +279,7 @@ impl ConfigurationSpace {
             surroundings: &self.surroundings,
             pinned: None,
             me,
+            tested: None,
             phase: Phase::Discrete,
         }
     }

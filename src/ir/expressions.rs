@@ -26,9 +26,7 @@ impl Entity {
 
     /// All its actions in the discrete phase: on edges, on entry of modes, on links.
     pub fn action_lists(&self) -> impl Iterator<Item = &Actions> {
-        let edges = self.edges.iter().map(|edge| &edge.actions);
-        let entries = self.modes.iter().map(|mode| &mode.entry);
-        edges.chain(entries).chain(self.follows.iter().map(|follow| &follow.actions))
+        self.guarded_actions().map(|(_, actions)| actions)
     }
 
     /// The expressions that it evaluates.

@@ -18,6 +18,7 @@ mod operators;
 mod program;
 mod rare;
 mod spans;
+mod targets;
 mod text;
 mod tile_map;
 mod transition;

@@ -17,6 +17,7 @@ mod expression;
 mod facts;
 mod foreign;
 mod joint;
+mod lasting;
 mod map;
 mod member;
 mod mode;
@@ -157,6 +158,8 @@ struct Checker<'a> {
     poisoned_names: BTreeSet<String>,
     /// The instances that worlds place, with their entities.
     placed: std::collections::BTreeMap<ast::Word, ast::Word>,
+    /// The references that may be none.
+    lost: lasting::Lost,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -182,6 +185,7 @@ impl<'a> Checker<'a> {
             worlds: Table::new("world"),
             tags: std::collections::BTreeMap::new(),
             placed: foreign::placed(files),
+            lost: lasting::Lost::of(files),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

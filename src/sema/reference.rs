@@ -94,6 +94,8 @@ impl Checker<'_> {
             return;
         }
         let Subject::Ref(id) = subject else { return };
+        let me = scope.entity.map_or("", |entity| &*entity.name.text);
+        let Some(reason) = self.lost.reason(me, &name.text) else { return };
         if let (true, Some(mode), Some(entity), Some(names)) = (scope.covered, scope.mode, scope.entity, scope.names) {
             let mut around = Some(mode);
             while let Some(at) = around {
@@ -109,7 +111,15 @@ impl Checker<'_> {
         }
         let covered = scope.covered && scope.mode.is_some();
         let entity = self.entity_name(scope.entity.and_then(|entity| entity.refs[id].entity));
-        self.diagnostics.report(LostRead { at: span, name: name.text.to_string(), entity, in_mode: covered });
+        let name = name.text.to_string();
+        self.diagnostics.report(LostRead {
+            at: span,
+            name,
+            entity,
+            in_mode: covered,
+            why: reason.told(),
+            is_unset: reason.is_unset(),
+        });
     }
 
     /// Edges into a mode that reads a reference must ensure that it is not none.

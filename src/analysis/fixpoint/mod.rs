@@ -7,8 +7,8 @@ pub(in crate::analysis) mod narrowing;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
-    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, RefValue, SlotId, SpaceId,
-    Subject, VarId, World,
+    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, Subject, VarId,
+    World,
 };
 
 use crate::watch::Watch;
@@ -456,6 +456,7 @@ impl<'a> Analysis<'a> {
             surroundings: &self.surroundings,
             pinned: None,
             me,
+            tested: None,
             phase: Phase::Discrete,
         }
     }
@@ -553,21 +554,16 @@ impl<'a> Analysis<'a> {
 
     /// Marks the slots whose instances can be destroyed by others.
     fn mark_destroyable(&mut self) -> bool {
+        let living = self.world.slots.ids().filter(|s| self.overall[*s].can_live);
+        let by: BTreeSet<EntityId> = living.map(|slot| self.world.slots[slot].entity).collect();
         let mut changed = false;
-        for me in self.world.slots.ids().filter(|s| self.overall[*s].can_live) {
-            let entity = self.entity(me);
-            for what in entity.action_lists().flat_map(|a| &a.destroys) {
-                let of = match what {
-                    RefValue::None | RefValue::Of(Subject::Me) => continue,
-                    RefValue::Of(Subject::Ref(id)) => entity.refs[*id].entity,
-                    RefValue::Of(_) => None,
-                };
-                for slot in self.world.slots.ids() {
-                    if of.is_none_or(|e| self.world.slots[slot].entity == e) && !self.slots[slot].can_be_absent {
-                        self.slots[slot].can_be_absent = true;
-                        self.slots[slot].is_changed = true;
-                        changed = true;
-                    }
+        for by in by {
+            let destroyed = self.program.destroyed_by(by, |of| of != Subject::Me);
+            for slot in self.world.slots.ids().filter(|slot| destroyed[self.world.slots[*slot].entity]) {
+                if !self.slots[slot].can_be_absent {
+                    self.slots[slot].can_be_absent = true;
+                    self.slots[slot].is_changed = true;
+                    changed = true;
                 }
             }
         }

@@ -43,11 +43,22 @@ enum Part {
     Discrete(DiscreteId, bool),
 }
 
-/// The join over the instances of an entity, or over all instances: cached until the slots change.
+/// The instances that a subject can name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Named {
+    /// All.
+    Any,
+    /// Those of an entity.
+    Of(EntityId),
+    /// Those that a bound contact query of an entity can find.
+    By(EntityId, TouchId),
+}
+
+/// The join over the instances that a subject can name: cached until the slots change.
 #[derive(Debug, Default)]
 pub(in crate::analysis) struct Joined {
-    values: Mutex<BTreeMap<(Option<EntityId>, Part), Values>>,
-    alive: Mutex<BTreeMap<Option<EntityId>, Arc<[SlotId]>>>,
+    values: Mutex<BTreeMap<(Named, Part), Values>>,
+    alive: Mutex<BTreeMap<Named, Arc<[SlotId]>>>,
 }
 
 impl Joined {
@@ -77,6 +88,8 @@ pub(in crate::analysis) struct Reader<'a> {
     pub pinned: Option<(SlotId, Pinned<'a>)>,
     /// The instance of `Subject::Me`; `None` for a predicate of the world.
     pub me: Option<(SlotId, &'a Configuration)>,
+    /// A subject that is known to be of an entity where the expression is evaluated.
+    pub tested: Option<(Subject, EntityId)>,
     /// The phase of evaluation.
     pub phase: Phase,
 }
@@ -92,29 +105,44 @@ impl<'a> Reader<'a> {
             (Subject::Me, Some((me, _))) => Arc::new([me]),
             (Subject::Slot(slot), _) => Arc::new([slot]),
             _ => {
-                let entity = self.entity_of(of);
+                let named = self.named(of);
                 let mut known = self.joined.alive.lock().unwrap_or_else(PoisonError::into_inner);
                 let fits = |slot: &SlotId| {
-                    entity.is_none_or(|e| self.world.slots[*slot].entity == e) && self.slots[*slot].can_live
+                    let entity = self.world.slots[*slot].entity;
+                    let is_named = match named {
+                        Named::Any => true,
+                        Named::Of(declared) => declared == entity,
+                        Named::By(me, touch) => self.program.can_be(me, Subject::Touched(touch), entity),
+                    };
+                    is_named && self.slots[*slot].can_live
                 };
-                let alive = known.entry(entity).or_insert_with(|| self.world.slots.ids().filter(fits).collect());
+                let alive = known.entry(named).or_insert_with(|| self.world.slots.ids().filter(fits).collect());
                 Arc::clone(alive)
             }
         }
     }
 
-    /// The entity of a reference; `None` if it can refer to any.
-    fn entity_of(&self, of: Subject) -> Option<EntityId> {
-        match (of, self.me) {
-            (Subject::Ref(id), Some((me, _))) => self.entity(me).refs[id].entity,
-            _ => None,
-        }
+    /// The instances that a reference or the name of a contact can name.
+    fn named(&self, of: Subject) -> Named {
+        let tested = self.tested.filter(|(tested, _)| *tested == of).map(|(_, entity)| Named::Of(entity));
+        let Some((me, _)) = self.me else { return Named::Any };
+        let declared = match of {
+            Subject::Ref(id) => self.entity(me).refs[id].entity.map_or(Named::Any, Named::Of),
+            Subject::Touched(id) => Named::By(self.world.slots[me].entity, id),
+            Subject::Me | Subject::Slot(_) => Named::Any,
+        };
+        tested.unwrap_or(declared)
+    }
+
+    /// The context in which a guard holds.
+    fn after(&self, guard: ExprId) -> Self {
+        Reader { tested: self.program.tested(guard).or(self.tested), ..*self }
     }
 
     /// The join of `read` over all instances that a subject can refer to; instances without the number are skipped.
     fn read(&self, of: Subject, part: Part, read: impl Fn(&Overall) -> Option<Values>) -> Values {
         let is_one = matches!((of, self.me), (Subject::Me, Some(_)) | (Subject::Slot(_), _));
-        let key = (self.entity_of(of), part);
+        let key = (self.named(of), part);
         let known = || self.joined.values.lock().unwrap_or_else(PoisonError::into_inner);
         if !is_one && let Some(values) = known().get(&key) {
             return *values;
@@ -290,7 +318,7 @@ impl<'a> Reader<'a> {
             Expr::Bool(b) => Truth::of(b),
             Expr::Compare(op, a, b) => compare_values(op, &self.number(a), &self.number(b)),
             Expr::And(a, b) => {
-                let (a, b) = (self.truth(a), self.truth(b));
+                let (a, b) = (self.truth(a), self.after(a).truth(b));
                 Truth { can_hold: a.can_hold && b.can_hold, can_fail: a.can_fail || b.can_fail }
             }
             Expr::Or(a, b) => {
@@ -387,11 +415,13 @@ impl<'a> Reader<'a> {
         let Some((me, _)) = self.me.filter(|_| self.can_evaluate_to(at, guard, holds)) else { return false };
         match (self.program.exprs[guard], holds) {
             (Expr::Not(a), _) => self.refine(at, a, !holds),
-            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => self.refine(at, a, holds) && self.refine(at, b, holds),
+            (Expr::And(a, b), true) => self.refine(at, a, true) && self.after(a).refine(at, b, true),
+            (Expr::Or(a, b), false) => self.refine(at, a, false) && self.refine(at, b, false),
             (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
                 // Either decides; the second counts only where the first does not.
                 let first = self.refined(at, a, holds);
-                let has_second = self.refine(at, a, !holds) && self.refine(at, b, holds);
+                let rest = if holds { *self } else { self.after(a) };
+                let has_second = self.refine(at, a, !holds) && rest.refine(at, b, holds);
                 match first {
                     Some(first) if has_second => *at = first.or(at),
                     Some(first) => *at = first,

@@ -178,7 +178,7 @@ impl<'a> Stepper<'a> {
                     let sure = internal.needs.is_empty() && !self.at(at).truth(internal.guard).can_fail;
                     for next in &mut nexts {
                         let mut changed = next.clone();
-                        self.act(&internal.actions, &held, &mut changed, outcome);
+                        self.act(Some(internal.guard), &internal.actions, &held, &mut changed, outcome);
                         mark_set_axes(&internal.actions, &mut put);
                         *next = if sure { changed } else { next.or(&changed) };
                     }
@@ -195,7 +195,7 @@ impl<'a> Stepper<'a> {
                     for next in &nexts {
                         let mut next = next.clone();
                         self.enter(Transition { group, from, target, to: leaf }, at, &mut next, outcome);
-                        ends |= self.act(&edge.actions, at, &mut next, outcome);
+                        ends |= self.act(Some(edge.guard), &edge.actions, at, &mut next, outcome);
                         entered.push(next);
                     }
                 }
@@ -214,7 +214,7 @@ impl<'a> Stepper<'a> {
                 }
                 for next in &mut nexts {
                     let mut changed = next.clone();
-                    self.act(&follow.actions, &held, &mut changed, outcome);
+                    self.act(follow.guard, &follow.actions, &held, &mut changed, outcome);
                     mark_set_axes(&follow.actions, &mut put);
                     *next = next.or(&changed);
                 }
@@ -323,14 +323,22 @@ impl<'a> Stepper<'a> {
             next.timers[timer] = Interval::point(0.0);
         }
         for mode in transition.entered(entity) {
-            self.act(&entity.modes[mode].entry, at, next, outcome);
+            self.act(None, &entity.modes[mode].entry, at, next, outcome);
         }
     }
 
-    /// Runs an action list; returns whether the instance is certainly destroyed.
-    fn act(&self, actions: &Actions, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) -> bool {
+    /// Runs an action list on a guard; returns whether the instance is certainly destroyed.
+    fn act(
+        &self,
+        guard: Option<ExprId>,
+        actions: &Actions,
+        at: &Configuration,
+        next: &mut Configuration,
+        outcome: &mut Outcome,
+    ) -> bool {
+        let tested = guard.and_then(|guard| self.reader.program.tested(guard));
         for update in &actions.updates {
-            self.update(update, at, next);
+            self.update(update, &Reader { tested, ..self.at(at) }, at, next);
         }
         if actions.updates.iter().any(|u| matches!(u.place, Place::Var(VarId::X | VarId::Y, 0))) {
             outcome.placements.extend(Placement::of(next));
@@ -347,8 +355,8 @@ impl<'a> Stepper<'a> {
         ends
     }
 
-    fn update(&self, update: &Update, at: &Configuration, next: &mut Configuration) {
-        let value = self.at(at).number(update.value);
+    fn update(&self, update: &Update, reader: &Reader<'_>, at: &Configuration, next: &mut Configuration) {
+        let value = reader.number(update.value);
         match update.place {
             Place::Var(var, degree) => {
                 let energy = next.energy[var].zip(next.vars[var][0].hull());

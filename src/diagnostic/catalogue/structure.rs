@@ -154,15 +154,24 @@ pub struct LostRead {
     pub entity: Option<String>,
     /// Whether an edge on `lost` in the mode would fix it.
     pub in_mode: bool,
+    /// Where it becomes none, if a place is known.
+    pub why: Option<(Span, &'static str)>,
+    /// Whether it only has to be set where the instance is made.
+    pub is_unset: bool,
 }
 
 impl Fact for LostRead {
     fn into_diagnostic(self) -> Diagnostic {
-        let LostRead { at, name, entity, in_mode } = self;
+        let LostRead { at, name, entity, in_mode, why, is_unset } = self;
         let test = test(&name, entity);
-        let d = Diagnostic::new(Code::LostReference, format!("`{name}` is read, but it may be none"))
+        let mut d = Diagnostic::new(Code::LostReference, format!("`{name}` is read, but it may be none"))
             .at(at, "stops the step where there is nothing to read");
-        if in_mode {
+        if let Some((place, how)) = why {
+            d = d.and(place, how);
+        }
+        if is_unset {
+            d.help(format!("set it where the instance is made: `{name} = INSTANCE`; or test `{test}` before"))
+        } else if in_mode {
             d.help(format!("add `when lost({name}) -> MODE` to this mode or one around it, or test `{test}` before"))
         } else {
             d.help(format!("test it before: `if({name} is none, …, {name}.x)`, or `{test} and …` in a guard"))

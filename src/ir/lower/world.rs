@@ -2,7 +2,7 @@
 
 use crate::ir::{
     Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, Player, PlayerId, Predicate,
-    Program, RefValue, Slot, SlotId, Solid, Space, SpaceId, Step, Subject, TagSet, World, WorldSpans,
+    Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagSet, World, WorldSpans,
 };
 use crate::sema::checked;
 
@@ -43,19 +43,11 @@ pub(super) fn predicates(
 /// For each entity, whether anything may destroy an instance of it.
 pub(super) fn destructible(program: &Program) -> IdVec<EntityId, bool> {
     let mut destructible: IdVec<EntityId, bool> = program.entities.iter().map(|_| false).collect();
-    for (id, e) in program.entities.pairs() {
-        for what in e.action_lists().flat_map(|a| &a.destroys) {
-            let of = match what {
-                RefValue::None => continue,
-                RefValue::Of(Subject::Me) => Some(id),
-                RefValue::Of(Subject::Ref(reference)) => e.refs[*reference].entity,
-                RefValue::Of(_) => None,
-            };
-            match of {
-                Some(entity) => destructible[entity] = true,
-                // It may have any entity.
-                None => return program.entities.iter().map(|_| true).collect(),
-            }
+    // Most entities destroy nothing.
+    let destroys = |id: &EntityId| program.entities[*id].action_lists().any(|actions| !actions.destroys.is_empty());
+    for by in program.entities.ids().filter(destroys) {
+        for (other, is_destroyed) in program.destroyed_by(by, |_| true).pairs() {
+            destructible[other] |= is_destroyed;
         }
     }
     destructible

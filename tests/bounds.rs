@@ -113,6 +113,7 @@ fn the_tag_of_a_contact_and_is_say_what_is_named() {
          entity Melon { discrete worth: int 0..9 = 7; collider food: rect(0, 0, 8, 8); mode there { } }
          entity Rock { discrete worth: int 0..9 = 9; collider stone: rect(0, 0, 8, 8); mode there { } }
          entity Hero {
+             param speed = 60
              axis horizontal
              discrete eaten: int 0..9 = 0
              discrete sweet: int 0..9 = 0
@@ -121,7 +122,7 @@ fn the_tag_of_a_contact_and_is_say_what_is_named() {
                  when touching(food) as b and b is Berry { eaten := b.worth; destroy b }
                  when touching(food) as m and m is Melon and m.worth < 5 { sweet := 1 }
              }
-             x' = 60 * horizontal
+             x' = speed * horizontal
          }
          world W {
              collide body with food: sense

@@ -85,6 +85,7 @@
     (world "\\_<collide\\_>[^:\n]*:[ \t]*\\(block\\|sense\\)\\_>\\(?:[ \t]+\\(from\\)[ \t]+\\(above\\)\\_>\\)?")
     (world "\\_<with\\_>[^:\n]*:.*?\\_<\\(keep\\)[ \t]+\\(velocity\\)\\_>")
     (world "\\_<with\\_>[^:\n]*:.*?\\_<\\(carry\\)\\_>")
+    (world "\\_<with\\_>[^:\n]*:.*?\\_<\\(bounce\\)\\_>")
     (world "^[ \t]+[[:word:]\", ]*[\"[:word:]][ \t]+\\(with\\)[ \t]+[[:word:]\", ]*:[ \t]*\\(block\\|sense\\)\\_>")
     (world start "\\(tiles\\|space\\)[ \t]+\\w")
     (world start "\\(limit\\)[ \t]+" name "[ \t]+[([:word:]]")

@@ -187,7 +187,7 @@ module.exports = grammar({
     response: $ => seq(
       choice('block', 'sense'),
       optional(seq('from', 'above')),
-      repeat(seq(',', choice(seq('keep', 'velocity'), 'carry'))),
+      repeat(seq(',', choice(seq('keep', 'velocity'), 'carry', seq('bounce', field('bounce', $.expression))))),
     ),
     tiles: $ => seq('tiles', field('name', $.identifier), $.tile_size, field('body', $.tile_block)),
     tile_size: $ => seq($._primary, 'x', $._primary),

@@ -10,3 +10,5 @@ pub const MAX_AXES: usize = 4;
 pub const MAX_MODES: usize = 4_096;
 /// Maximum number of instances of a world.
 pub const MAX_INSTANCES: usize = 10_000;
+/// Maximum number of `collide` lines of a world.
+pub const MAX_COLLIDE_LINES: usize = 10_000;

@@ -34,9 +34,9 @@ pub use ids::{
 };
 pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, SlotLayout};
-pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_INSTANCES, MAX_MODES, MAX_TAGS};
+pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_MODES, MAX_TAGS};
 pub use lower::lower;
-pub use operators::{Arithmetic, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
+pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use program::{
     Actions, By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs,
     Leaf, Mode, Param, Program, RefUpdate, RefValue, Reference, Release, Shape, Spawn, TagSet, Timer, Touch, Update,

@@ -1,5 +1,8 @@
 //! The parts of expressions: subjects, operators and functions; sides and responses of contacts.
 
+use std::cmp::Ordering;
+use std::hash::{Hash, Hasher};
+
 use serde::{Deserialize, Serialize};
 
 use super::{DiscreteId, RefId, SlotId, TouchId, VarId};
@@ -133,6 +136,83 @@ pub struct Response {
     pub stop: bool,
     /// What is on the other moves along.
     pub carry: bool,
+    /// The share of a stopped velocity that is turned back.
+    #[serde(default, skip_serializing_if = "Bounce::is_none")]
+    pub bounce: Bounce,
+}
+
+/// The share of the velocity into a surface that a contact turns back, from 0 to 1.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(try_from = "f64", into = "f64")]
+#[cfg_attr(feature = "cli", schemars(with = "f64"))]
+pub struct Bounce(f64);
+
+impl Bounce {
+    /// Nothing is turned back.
+    pub const NONE: Bounce = Bounce(0.0);
+
+    /// `None` if the share is not between 0 and 1: more could leave the finite numbers.
+    pub fn new(share: f64) -> Option<Self> {
+        // Both zeros are one share.
+        (0.0..=1.0).contains(&share).then_some(Bounce(share + 0.0))
+    }
+
+    /// The share.
+    pub fn share(self) -> f64 {
+        self.0
+    }
+
+    /// Whether nothing is turned back.
+    pub fn is_none(&self) -> bool {
+        self.0 == 0.0
+    }
+
+    /// What becomes of a velocity.
+    pub fn turned(self, velocity: f64) -> f64 {
+        // Not `-share * velocity`, which can be the negative zero.
+        0.0 - self.0 * velocity
+    }
+}
+
+impl PartialEq for Bounce {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Bounce {}
+
+impl PartialOrd for Bounce {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Bounce {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl Hash for Bounce {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.0.to_bits().hash(state);
+    }
+}
+
+impl TryFrom<f64> for Bounce {
+    type Error = &'static str;
+
+    fn try_from(share: f64) -> Result<Self, Self::Error> {
+        Bounce::new(share).ok_or("a bounce is a number from 0 to 1")
+    }
+}
+
+impl From<Bounce> for f64 {
+    fn from(bounce: Bounce) -> f64 {
+        bounce.0
+    }
 }
 
 /// How an instance comes to be.

@@ -394,7 +394,7 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
     writeln!(out, "world {}", w.name)?;
     writeln!(out, "  step {}/{}", w.step.numerator, w.step.denominator)?;
     for c in &w.collide {
-        let Response { push, stop, carry } = c.response;
+        let Response { push, stop, carry, bounce } = c.response;
         let push = match push {
             Push::Sense => "sense",
             Push::FromAbove => "block from above",
@@ -402,7 +402,8 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
         };
         let keep = if stop || c.response.push == Push::Sense { "" } else { ", keep velocity" };
         let carry = if carry { ", carry" } else { "" };
-        writeln!(out, "  {} with {}: {push}{keep}{carry}", tags(p, c.left), tags(p, c.right))?;
+        let bounce = if bounce.is_none() { String::new() } else { format!(", bounce {}", bounce.share()) };
+        writeln!(out, "  {} with {}: {push}{keep}{carry}{bounce}", tags(p, c.left), tags(p, c.right))?;
     }
     for (id, space) in w.spaces.pairs() {
         write!(out, "  {id} {}", space.name)?;

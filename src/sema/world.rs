@@ -1,6 +1,6 @@
 //! Worlds: the step, collision rules, tiles and maps, placed instances with their initial values, players, goals.
 
-use crate::ir::{Arithmetic, IdVec, Origin, Push, Response, SpaceId, TagId};
+use crate::ir::{Arithmetic, Bounce, IdVec, MAX_COLLIDE_LINES, Origin, Push, Response, SpaceId, TagId};
 
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
@@ -59,6 +59,10 @@ impl Checker<'_> {
                     }
                 }
                 WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets, &mut world.lengths),
+                WorldItem::Collide(line) if world.collide.len() == MAX_COLLIDE_LINES => {
+                    self.too_many("lines of `collide`", MAX_COLLIDE_LINES, line.span);
+                    break;
+                }
                 WorldItem::Collide(line) => world.collide.extend(self.collide(line)),
                 _ => {}
             }
@@ -163,7 +167,12 @@ impl Checker<'_> {
         let left = line.left.iter().map(|t| self.tag(t)).collect();
         let right = line.right.iter().map(|t| self.tag(t)).collect();
         let r = &line.response;
-        let wrong = [(r.from_above, "`from above`"), (r.carry, "`carry`"), (r.keep_velocity, "`keep velocity`")];
+        let wrong = [
+            (r.from_above, "`from above`"),
+            (r.carry, "`carry`"),
+            (r.keep_velocity, "`keep velocity`"),
+            (r.bounce.is_some(), "`bounce`"),
+        ];
         if let Some((_, what)) = wrong.into_iter().find(|(used, _)| *used && !r.block) {
             self.diagnostics.report(Misplaced { at: r.span, what, inside: "`sense`", belongs: "after `block`" });
             return None;
@@ -173,8 +182,33 @@ impl Checker<'_> {
             (true, false) => Push::Block,
             (false, _) => Push::Sense,
         };
-        let response = Response { push, stop: r.block && !r.keep_velocity, carry: r.carry };
+        let bounce = match &r.bounce {
+            Some(share) => self.bounce(share, r)?,
+            None => Bounce::NONE,
+        };
+        let response = Response { push, stop: r.block && !r.keep_velocity, carry: r.carry, bounce };
         Some(CollideRule { left, right, response, span: line.span })
+    }
+
+    /// The share of the velocity that is turned back.
+    fn bounce(&mut self, share: &Expr, response: &ast::Response) -> Option<Bounce> {
+        let term = self.number(share, &Scope::constant())?;
+        let value = self.evaluated(&term, ConstantContext::LITERALS)?;
+        if response.keep_velocity {
+            self.diagnostics.report(Misplaced {
+                at: share.span,
+                what: "`bounce`",
+                inside: "a response with `keep velocity`",
+                belongs: "alone after `block`: a velocity is kept or turned back",
+            });
+            return None;
+        }
+        let bounce = Bounce::new(value);
+        if bounce.is_none() {
+            let (what, range) = (format!("a bounce of {value}"), "0..1".into());
+            self.diagnostics.report(OutOfRange { at: share.span, what, range });
+        }
+        bounce
     }
 
     /// A tile's width or height, px.

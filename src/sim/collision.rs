@@ -4,12 +4,12 @@
 //! along an edge. All contacts are detected before anything is pushed.
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Bounds, ColliderId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, Meeting, Program, Push, Shape, Side,
-    SlotId, SlotLayout, SpaceId, Subject, TagSet, VarId, World,
+    Bounce, Bounds, ColliderId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, Meeting, Program, Push, Response,
+    Shape, Side, SlotId, SpaceId, Subject, TagSet, VarId, World,
 };
 
 use crate::watch::Meter;
@@ -21,7 +21,7 @@ use super::covered_faces::Adjacency;
 use super::fault::Fault;
 use super::input::Frame;
 use super::simulator::{Scratch as StepScratch, Simulator};
-use super::state::{PositionLayout, leaf_at, set_triple, triple};
+use super::state::{PositionLayout, leaf_at};
 use super::tiles::Grid;
 
 /// Data about a world's colliders, prepared once.
@@ -31,6 +31,8 @@ pub(super) struct Collision {
     /// Their kinds.
     pub kinds: Vec<Kind>,
     broad_phase: BroadPhase,
+    /// The bounces of all rules, weakest first; the first is none.
+    bounces: Vec<Bounce>,
     /// Whether any rule carries.
     carries: bool,
     /// The slots with contact queries.
@@ -93,11 +95,15 @@ pub(super) struct Encounter {
     bits: [u64; 4],
     /// Whether there are further bits to set.
     more: bool,
+    /// How it stops velocities, as in [`super::contact::Stops`].
+    stop: u16,
 }
 
 impl Encounter {
-    fn new(world: &World, entity: &Entity, mine: TagSet, tags: TagSet) -> Option<Self> {
+    fn new(world: &World, bounces: &[Bounce], entity: &Entity, mine: TagSet, tags: TagSet) -> Option<Self> {
         let meeting = world.meeting(mine, tags)?;
+        let Response { stop, bounce, .. } = meeting.response;
+        let stop = if stop { 1 + bounces.partition_point(|weaker| *weaker < bounce) as u16 } else { 0 };
         let mut bits = [0; 4];
         let mut more = false;
         for (id, touch) in entity.touches.pairs() {
@@ -114,7 +120,7 @@ impl Encounter {
                 }
             }
         }
-        Some(Encounter { meeting, tags, bits, more })
+        Some(Encounter { meeting, tags, bits, more, stop })
     }
 
     /// Whether a contact has no effect on the body.
@@ -143,6 +149,8 @@ pub(super) struct Scratch {
 impl Collision {
     /// Prepares a world.
     pub fn new(program: &Program, world: &World) -> Self {
+        let bounces: BTreeSet<Bounce> = world.collide.iter().map(|c| c.response.bounce).chain([Bounce::NONE]).collect();
+        let bounces: Vec<Bounce> = bounces.into_iter().collect();
         let tile_tags: Vec<Vec<TagSet>> = world
             .spaces
             .iter()
@@ -194,7 +202,7 @@ impl Collision {
             .iter()
             .map(|&(entity, collider)| {
                 let tags = tags_of((entity, collider));
-                let with = |other: TagSet| Encounter::new(world, &program.entities[entity], tags, other);
+                let with = |other: TagSet| Encounter::new(world, &bounces, &program.entities[entity], tags, other);
                 let tiles: Vec<Vec<_>> = tile_tags.iter().map(|k| k.iter().map(|&t| with(t)).collect()).collect();
                 let solids: Vec<Vec<_>> =
                     world.spaces.iter().map(|s| s.solids.iter().map(|x| with(x.tags)).collect()).collect();
@@ -231,7 +239,8 @@ impl Collision {
         let contact_readers = slots_with(&|e| !e.touches.is_empty());
         let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
         let adjacency = world.spaces.iter().map(Adjacency::new).collect();
-        Collision { bodies, kinds, broad_phase, carries, contact_readers, movable, adjacency, grids: Grid::of(world) }
+        let grids = Grid::of(world);
+        Collision { bodies, kinds, broad_phase, bounces, carries, contact_readers, movable, adjacency, grids }
     }
 
     /// Working memory for this world.
@@ -360,7 +369,7 @@ impl Simulator {
             for &slot in &self.collision.movable {
                 let [x, y] = displacements[slot].push;
                 if x != 0.0 || y != 0.0 {
-                    push_out(state, &self.actors[slot].layout, displacements[slot]);
+                    displacements[slot].push_out(state, &self.actors[slot].layout, &self.collision.bounces);
                 }
             }
         }
@@ -494,7 +503,7 @@ impl Simulator {
         for (body, side) in [(a, side), (b, opposite(side))] {
             if !body.kinematic {
                 let contact = Contact { side, depth: contact.depth * share };
-                displacements[body.slot.index()].add(contact, meeting.response.stop);
+                displacements[body.slot.index()].add(contact, of_a.stop);
             }
         }
     }
@@ -548,7 +557,7 @@ impl Simulator {
     ) {
         self.touch(state, body, with, None, contact.side);
         if with.meeting.response.push != Push::Sense && !body.kinematic {
-            displacement.add(contact, with.meeting.response.stop);
+            displacement.add(contact, with.stop);
         }
     }
 
@@ -597,23 +606,8 @@ impl Simulator {
     ) {
         let Some([horizontal, vertical]) = corner else { return };
         if with.meeting.response.push == Push::Block && !body.kinematic {
-            displacement.add(horizontal, with.meeting.response.stop);
-            displacement.add(vertical, with.meeting.response.stop);
+            displacement.add(horizontal, with.stop);
+            displacement.add(vertical, with.stop);
         }
-    }
-}
-
-/// Moves an instance out of obstacles.
-fn push_out(state: &mut [u8], layout: &SlotLayout, Displacement { push, stops }: Displacement) {
-    let stops = [(stops.left, stops.right), (stops.below, stops.above)];
-    for (axis, values) in layout.triples_mut(state, 2).iter_mut().enumerate() {
-        let (push, (low, high)) = (push[axis], stops[axis]);
-        // A contact that stops a velocity also pushes.
-        if push == 0.0 {
-            continue;
-        }
-        let [position, velocity, acceleration] = triple(values);
-        let stopped = (low && velocity < 0.0) || (high && velocity > 0.0);
-        set_triple(values, [position + push, if stopped { 0.0 } else { velocity }, acceleration]);
     }
 }

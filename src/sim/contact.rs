@@ -1,6 +1,8 @@
 //! Boxes, their overlaps, and the effect of a blocking contact on a movable body.
 
-use crate::ir::{Meeting, Push, Side};
+use crate::ir::{Bounce, Meeting, Push, Side, SlotLayout};
+
+use super::state::{set_triple, triple};
 
 /// Penetration that still counts as outside, px.
 pub(super) const TOLERANCE: f64 = 0.001;
@@ -33,13 +35,14 @@ impl Rect {
     }
 }
 
-/// Sides on which a velocity is set to 0.
+/// How velocities into the sides are stopped: 0 if they are not, else one more than the index of the bounce among those
+/// of the world, in the order of their strength.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stops {
-    pub left: bool,
-    pub right: bool,
-    pub above: bool,
-    pub below: bool,
+    pub left: u16,
+    pub right: u16,
+    pub above: u16,
+    pub below: u16,
 }
 
 /// The combined effect of the blocking contacts of an instance.
@@ -47,18 +50,18 @@ pub(super) struct Stops {
 pub(super) struct Displacement {
     /// The push along x and y, px.
     pub push: [f64; 2],
-    /// The directions in which its velocity is stopped.
+    /// How its velocity is stopped.
     pub stops: Stops,
 }
 
 impl Displacement {
     /// That of an instance without contacts.
     pub const NONE: Displacement =
-        Displacement { push: [0.0; 2], stops: Stops { left: false, right: false, above: false, below: false } };
+        Displacement { push: [0.0; 2], stops: Stops { left: 0, right: 0, above: 0, below: 0 } };
 
     /// Adds a contact: per axis the deepest wins. Touching without overlap has no effect.
     #[inline]
-    pub fn add(&mut self, contact: Contact, stop: bool) {
+    pub fn add(&mut self, contact: Contact, stop: u16) {
         if contact.depth <= 0.0 {
             return;
         }
@@ -74,7 +77,32 @@ impl Displacement {
         if contact.depth > deepest || (contact.depth == deepest && sign > 0.0) {
             push[axis] = sign * contact.depth;
         }
-        *side |= stop;
+        *side = (*side).max(stop);
+    }
+
+    /// Moves an instance out of obstacles.
+    pub fn push_out(self, state: &mut [u8], layout: &SlotLayout, bounces: &[Bounce]) {
+        let Displacement { push, stops } = self;
+        let stops = [(stops.left, stops.right), (stops.below, stops.above)];
+        for (axis, values) in layout.triples_mut(state, 2).iter_mut().enumerate() {
+            let (push, (low, high)) = (push[axis], stops[axis]);
+            // A contact that stops a velocity also pushes.
+            if push == 0.0 {
+                continue;
+            }
+            let [position, velocity, acceleration] = triple(values);
+            let stop = match velocity {
+                into_low if into_low < 0.0 => low,
+                into_high if into_high > 0.0 => high,
+                _ => 0,
+            };
+            let velocity = match stop {
+                0 => velocity,
+                1 => 0.0,
+                _ => bounces[usize::from(stop) - 1].turned(velocity),
+            };
+            set_triple(values, [position + push, velocity, acceleration]);
+        }
     }
 }
 

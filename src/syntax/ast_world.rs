@@ -83,6 +83,8 @@ pub struct Response {
     pub keep_velocity: bool,
     /// `carry`
     pub carry: bool,
+    /// `bounce share`
+    pub bounce: Option<Expr>,
     /// The whole.
     pub span: Span,
 }

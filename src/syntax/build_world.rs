@@ -82,7 +82,7 @@ impl<'a> Builder<'a> {
             Rule::step => WorldItem::Step(self.expression(first)?.into()),
             Rule::collide => {
                 let (left, right) = (self.names(first), self.names(inner.get(1)?));
-                WorldItem::Collide(Collide { left, right, response: self.response(inner.get(2)?), span }.into())
+                WorldItem::Collide(Collide { left, right, response: self.response(inner.get(2)?)?, span }.into())
             }
             Rule::limit => {
                 let (entity, count) = (self.name(first), self.expression(inner.get(1)?)?);
@@ -102,15 +102,20 @@ impl<'a> Builder<'a> {
         Some(Question { name: self.name(inner.first()?), predicate: self.expression(inner.get(1)?)? })
     }
 
-    fn response(&self, pair: &Pair<'_, Rule>) -> Response {
+    fn response(&mut self, pair: &Pair<'_, Rule>) -> Option<Response> {
+        let bounce = match pair.clone().into_inner().find(|p| p.as_rule() == Rule::bounce) {
+            Some(bounce) => Some(self.expression(parts(&bounce).first()?)?),
+            None => None,
+        };
         let has = |rule: Rule| pair.clone().into_inner().any(|p| p.as_rule() == rule);
-        Response {
+        Some(Response {
             block: has(Rule::word_block),
             from_above: has(Rule::word_above),
             keep_velocity: has(Rule::keep_velocity),
             carry: has(Rule::carry),
+            bounce,
             span: self.span_of(pair),
-        }
+        })
     }
 
     fn tiles(&mut self, block: &Pair<'_, Rule>) -> Vec<Tile> {

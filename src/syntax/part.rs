@@ -106,6 +106,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_int
             | R::word_always
             | R::word_initial
+            | R::word_bounce
             | R::word_by
             | R::word_directions
             | R::word_attack

@@ -136,6 +136,7 @@ const WORDS: &[&str] = &[
     "block",
     "sense",
     "carry",
+    "bounce",
     "from",
     "above",
     "below",

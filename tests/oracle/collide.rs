@@ -401,28 +401,30 @@ impl Oracle<'_> {
     fn push(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
         let start = state.clone();
         for (slot, thing) in state.things.iter_mut().enumerate().filter_map(|(slot, t)| Some((slot, t.as_mut()?))) {
-            // All pushes: the side, the distance, and whether the push stops the body.
-            let mut pushes: Vec<(Side, f64, bool)> = Vec::new();
+            // All pushes: the side, the distance, and the share of the velocity that is turned back if it is stopped.
+            let mut pushes: Vec<(Side, f64, Option<f64>)> = Vec::new();
             for meeting in meetings.iter().filter(|m| m.response.push != Push::Sense) {
                 let (one, two) = (&bodies[meeting.one], &bodies[meeting.two]);
                 let share = if one.fixed || two.fixed { 1.0 } else { 0.5 };
                 for (side, depth) in &meeting.pushes {
                     for (mine, side) in [(one, *side), (two, opposite(*side))] {
                         if mine.slot == Some(slot) && !mine.fixed && *depth > 0.0 {
-                            pushes.push((side, depth * share, meeting.response.stop));
+                            let turned = meeting.response.stop.then(|| meeting.response.bounce.share());
+                            pushes.push((side, depth * share, turned));
                         }
                     }
                 }
             }
             for (axis, low, high) in [(0, Side::Left, Side::Right), (1, Side::Below, Side::Above)] {
                 let deepest = |side: Side| pushes.iter().filter(|p| p.0 == side).map(|p| p.1).fold(0.0, f64::max);
-                let stops = |side: Side| pushes.iter().any(|p| p.0 == side && p.2);
+                let turned = |side: Side| pushes.iter().filter(|p| p.0 == side).filter_map(|p| p.2).reduce(f64::max);
                 let (up, down) = (deepest(low), deepest(high));
                 let was = start.things[slot].as_ref().unwrap().vars[axis];
                 let [x, v, _] = &mut thing.vars[axis];
                 *x = was[0] + if up >= down { up } else { -down } + 0.0;
-                if stops(low) && was[1] < 0.0 || stops(high) && was[1] > 0.0 {
-                    *v = 0.0;
+                let into = if was[1] < 0.0 { turned(low) } else { turned(high).filter(|_| was[1] > 0.0) };
+                if let Some(share) = into {
+                    *v = if share == 0.0 { 0.0 } else { -(share * was[1]) };
                 }
             }
         }

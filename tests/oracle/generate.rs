@@ -459,7 +459,8 @@ impl Generator<'_> {
     }
 
     fn collides(&mut self) {
-        let responses = ["block", "sense", "block, keep velocity", "block from above", "block, carry"];
+        let responses =
+            ["block", "sense", "block, keep velocity", "block from above", "block, carry", "block, bounce 1"];
         let mut lines = vec![("body", "wall", 85), ("body", "coin", 60), ("body", "cloud", 40)];
         if self.has_foe {
             lines.extend([("body", "foe", 75), ("foe", "wall", 60), ("foe", "coin", 20)]);
@@ -477,7 +478,7 @@ impl Generator<'_> {
                     "cloud" => 3,
                     _ => 0,
                 };
-                let response = if self.draw.chance(60) { responses[first] } else { responses[self.draw.pick(5)] };
+                let response = if self.draw.chance(60) { responses[first] } else { responses[self.draw.pick(6)] };
                 let (left, right) = if self.draw.chance(12) { (right, left) } else { (left, right) };
                 self.line(format!("    collide {left} with {right}: {response}"));
             }

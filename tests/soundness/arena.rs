@@ -94,7 +94,7 @@ impl Arena {
 
 pub const STEPS: [&str; 12] =
     ["1/60", "1/30", "1/10", "1/60", "1/240", "1/4", "20ms", "1/50", "1/8", "1/60", "1/60", "1/30"];
-const RESPONSES: [&str; 9] = [
+const RESPONSES: [&str; 13] = [
     "block",
     "sense",
     "block",
@@ -104,6 +104,10 @@ const RESPONSES: [&str; 9] = [
     "block from above, carry",
     "block, keep velocity, carry",
     "block",
+    "block, bounce 1",
+    "block, bounce 0.6",
+    "block from above, bounce 1",
+    "block, carry, bounce 0.3",
 ];
 
 impl Generator<'_> {

@@ -88,8 +88,16 @@ fn response(text: &str, rng: &mut Pcg64) -> Option<String> {
         text.lines().filter(|l| l.trim_start().starts_with("collide ") && l.contains(": ")).collect();
     let line = *lines.choose(rng)?;
     let (head, _) = line.rsplit_once(": ")?;
-    let new = ["block", "sense", "block, carry", "block from above", "block, keep velocity", "block from above, carry"]
-        .choose(rng)?;
+    let new = [
+        "block",
+        "sense",
+        "block, carry",
+        "block from above",
+        "block, keep velocity",
+        "block from above, carry",
+        "block, bounce 1",
+    ]
+    .choose(rng)?;
     Some(text.replacen(line, &format!("{head}: {new}"), 1))
 }
 

@@ -539,7 +539,8 @@ impl Tally {
         };
         let keep = if response.stop || response.push == Push::Sense { "" } else { ", keep velocity" };
         let carry = if response.carry { ", carry" } else { "" };
-        self.note(&format!("meets: {push}{keep}{carry}"));
+        let bounce = if response.bounce.is_none() { "" } else { ", bounce" };
+        self.note(&format!("meets: {push}{keep}{carry}{bounce}"));
         if response.push != Push::Sense {
             self.note(match (a.slot.is_some() && b.slot.is_some(), a.is_kinematic, b.is_kinematic) {
                 (false, false, _) => "a movable and a wall",
@@ -655,10 +656,13 @@ const EVENTS: &[&str] = &[
     "a clamp of a velocity at its high end",
     "meets: sense",
     "meets: block",
+    "meets: block, bounce",
     "meets: block, carry",
+    "meets: block, carry, bounce",
     "meets: block, keep velocity",
     "meets: block, keep velocity, carry",
     "meets: block from above",
+    "meets: block from above, bounce",
     "meets: block from above, carry",
     "a movable and a wall",
     "a kinematic one and a wall",

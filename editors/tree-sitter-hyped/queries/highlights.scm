@@ -84,7 +84,7 @@
   "legend" "tile" "vglc" "tiled" "ldtk" "level" "x"
 ] @keyword
 [(instant) (hold)] @keyword
-["block" "sense" "keep" "velocity" "carry"] @keyword.modifier
+["block" "sense" "keep" "velocity" "carry" "bounce"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
 ["and" "or" "not" "in" "is" "as" "any" "touching"] @keyword.operator
 

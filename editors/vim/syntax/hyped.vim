@@ -102,7 +102,7 @@ syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=collide\>/ contained nextgroup=hyp
 syn region hypedCollide keepend start=/\ze\S/ skip=/,\s*\%(\/\/.*\)\?\n/ end=/$/ end=/\ze[;}]/ contained contains=hypedWith,hypedString,hypedComment,hypedResponse
 syn keyword hypedWith with contained
 syn region hypedResponse start=/:/ skip=/,\s*\%(\/\/.*\)\?\n/ end=/$/ end=/\ze[;}]/ contained contains=hypedResponseWord,hypedComment
-syn keyword hypedResponseWord block sense from above keep velocity carry contained
+syn keyword hypedResponseWord block sense from above keep velocity carry bounce contained
 
 " ---- spaces -----------------------------------------------------------------------------------------------------------
 

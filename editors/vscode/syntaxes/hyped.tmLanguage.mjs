@@ -150,7 +150,7 @@ const repository = {
         ...use('comments'),
         between('(:)', ['punctuation.separator'], END, [], [
           ...use('comments'),
-          groups(r`\b(block|sense|keep|velocity|carry|from|above)\b`, 'storage.modifier'),
+          groups(r`\b(block|sense|keep|velocity|carry|bounce|from|above)\b`, 'storage.modifier'),
           COMMA,
         ]),
         groups(r`\b(with)\b`, 'keyword.control'),

@@ -1,7 +1,10 @@
 //! The static obstacles of a space as a kind touches them: positions of contacts, ends of pushes.
 
+use std::collections::BTreeSet;
+
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::body::Edges;
+use crate::ir::Bounce;
 
 /// The static obstacles that bodies of a kind can touch in a space.
 #[derive(Debug, Clone)]
@@ -21,6 +24,8 @@ pub(in crate::analysis) struct Statics {
     pub pushes: bool,
     /// Whether some push stops the velocity into the surface.
     pub stops: bool,
+    /// How pushes turn the velocity into the surface back.
+    pub bounces: BTreeSet<Bounce>,
     /// Whether some push does not stop it.
     pub slips: bool,
     /// Whether a push can end anywhere because the size of the pushed body is not constant.
@@ -40,6 +45,7 @@ impl Default for Statics {
             longest: [0.0; 2],
             pushes: false,
             stops: false,
+            bounces: BTreeSet::new(),
             slips: false,
             anywhere: false,
             is_steady: true,

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::ir::{Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
+use crate::ir::{Bounce, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
 
 use crate::analysis::domain::configuration::{Configuration, Overall};
 use crate::analysis::domain::values::{Interval, Values};
@@ -46,6 +46,8 @@ pub(in crate::analysis) struct Contacts {
     anywhere: bool,
     /// Whether a push stops the velocity into the surface.
     stops: bool,
+    /// How pushes turn the velocity into the surface back.
+    bounces: BTreeSet<Bounce>,
     /// Whether pushes can keep the velocity or end anywhere, including pushes by moving obstacles.
     is_loose: bool,
     /// Per axis, where a carrier can take the instance.
@@ -256,11 +258,18 @@ impl Contacts {
             if pushed == [None; 2] {
                 continue;
             }
+            let before = *velocity;
             if self.stops {
                 *velocity = velocity.or(&Values::point(0.0));
             }
+            for bounce in &self.bounces {
+                let turned = |i: Interval| Interval { low: bounce.turned(i.high), high: bounce.turned(i.low) };
+                *velocity = velocity.or(&before.map(turned));
+            }
             moved.energy[var] = match moved.energy[var] {
-                Some((fall, energy)) if !self.is_loose && self.stops => Some((fall, fall.pushed(energy, pushed, free))),
+                Some((fall, energy)) if !self.is_loose && self.stops && self.bounces.is_empty() => {
+                    Some((fall, fall.pushed(energy, pushed, free)))
+                }
                 _ => None,
             };
         }
@@ -352,6 +361,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
         out.is_pushed |= found.pushes;
         out.stops |= found.stops;
         out.is_loose |= found.slips;
+        out.bounces.extend(&found.bounces);
         out.anywhere |= found.anywhere;
         for axis in 0..2 {
             for end in 0..2 {
@@ -367,6 +377,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
         out.is_pushed = true;
         out.stops |= pair.meeting.response.stop;
         out.is_loose |= !pair.meeting.response.stop || !theirs.kinematic;
+        out.bounces.extend(Some(pair.meeting.response.bounce).filter(|bounce| !bounce.is_none()));
         is_moved_by_movers |= !theirs.kinematic;
         let summary = &summaries[pair.kind];
         // It may have been pushed since it was on the carrier; a stationary instance carries nothing.

@@ -284,6 +284,12 @@ pub const MEANINGS: &[Meaning] = &[
         "collide ball with floor: block, keep velocity",
     ),
     means(
+        "bounce",
+        "In `collide … : block`: the velocity into the surface is turned back by this share, from 0 to 1, instead of being \
+         set to 0.",
+        "collide ball with wall: block, bounce 1",
+    ),
+    means(
         "carry",
         "What has the left tags and stands on what has the right ones moves along with it.",
         "collide body with lift: block, carry",

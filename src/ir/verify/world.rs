@@ -1,8 +1,8 @@
 //! Verifies a world: instances fit their entities, maps their kinds of tiles, and the layout follows from them.
 
 use crate::ir::{
-    Bounds, Collide, Domain, Layout, Link, MAX_INSTANCES, Origin, Player, Program, Slot, Solid, Space, TagId, TileMap,
-    World, WorldId, WorldSpans,
+    Bounds, Collide, Domain, Layout, Link, MAX_COLLIDE_LINES, MAX_INSTANCES, Origin, Player, Program, Slot, Solid,
+    Space, TagId, TileMap, World, WorldId, WorldSpans,
 };
 
 use super::code::{Code, Facts, Owner};
@@ -36,6 +36,7 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
             guard.map_or(Ok(()), expr).at("guard")
         })
     })?;
+    ensure(collide.len() <= MAX_COLLIDE_LINES, "there are more than a world can have").at("collide")?;
     each_of("collide", collide, |Collide { left, right, response: _ }| {
         tags(*left, program).at("left")?;
         tags(*right, program).at("right")

@@ -198,7 +198,7 @@ impl CompletionCollector<'_> {
             }
             (",", "collide" | "collider") if !cursor.statement.contains(&":") => self.names_of_kind(NameKind::Tag),
             (":", "collide") => self.words(&["block", "sense"]),
-            ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry"]),
+            ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry", "bounce"]),
             ("sense" | "above" | "velocity" | "carry", "collide") => {}
             (":", "collider" | "kinematic") => self.functions(|name| matches!(name, "rect" | "circle")),
             ("kinematic", _) => self.words(&["collider"]),

@@ -64,6 +64,7 @@ impl Scene<'_> {
             out.pushes = true;
             out.stops |= meeting.response.stop;
             out.slips |= !meeting.response.stop;
+            out.bounces.extend(Some(meeting.response.bounce).filter(|bounce| !bounce.is_none()));
             out.anywhere |= body.extent.is_none();
             out.is_steady &= body.presence.is_some();
             for axis in 0..2 {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::{GroupClash, MayLeaveRange};
-use crate::ir::{GroupId, ModeId, Place, Subject};
+use crate::ir::{Arithmetic, GroupId, ModeId, Place, Subject};
 use crate::sema::checked::{Entity, Term, TermKind, Type, Update};
 
 use super::guard::{exclusive, is_in, truth};
@@ -121,7 +121,18 @@ pub(super) fn ranges(entity: &Entity, found: &mut Diagnostics) {
         {
             continue;
         }
+        let stopping = match &update.value.kind {
+            TermKind::Arithmetic(operator, sides) if sides[0].kind == TermKind::Discrete(Subject::Me, id) => {
+                match operator {
+                    Arithmetic::Add => Some("+="),
+                    Arithmetic::Subtract => Some("-="),
+                    _ => None,
+                }
+            }
+            _ => None,
+        };
         found.report(MayLeaveRange {
+            stopping,
             name: variable.name.text.to_string(),
             range: variable.range,
             at: update.value.span,

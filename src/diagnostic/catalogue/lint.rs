@@ -42,11 +42,13 @@ pub struct MayLeaveRange {
     pub at: Span,
     /// The interval of the new value; infinite where unknown.
     pub value: (f64, f64),
+    /// The sign of the update that says the same and stops at the ends of the range.
+    pub stopping: Option<&'static str>,
 }
 
 impl Fact for MayLeaveRange {
     fn into_diagnostic(self) -> Diagnostic {
-        let MayLeaveRange { name, range: (low, high), at, value } = self;
+        let MayLeaveRange { name, range: (low, high), at, value, stopping } = self;
         let found = match value {
             (f64::NEG_INFINITY, f64::INFINITY) => "this can be any number".to_string(),
             (least, f64::INFINITY) => format!("this can be {least} or any number above"),
@@ -56,7 +58,12 @@ impl Fact for MayLeaveRange {
         };
         Diagnostic::new(Code::MayLeaveRange, format!("`{name}` may leave its range, {low} to {high}"))
             .at(at, found)
-            .help(format!("test `{name}` in the guard, or write `clamp(…, {low}, {high})`"))
+            .help(match stopping {
+                Some(sign) => {
+                    format!("test `{name}` in the guard, or write `{name} {sign} …`, which stops at the ends")
+                }
+                None => format!("test `{name}` in the guard, or write `clamp(…, {low}, {high})`"),
+            })
             .note("a value out of its range stops the run")
     }
 }

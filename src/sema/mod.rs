@@ -7,6 +7,7 @@ mod annotation;
 mod call;
 pub mod checked;
 mod checked_world;
+mod condition;
 mod conflict;
 mod constant;
 pub mod dimension;
@@ -157,6 +158,8 @@ struct Checker<'a> {
     poisoned_names: BTreeSet<String>,
     /// The instances that worlds place, with their entities.
     placed: std::collections::BTreeMap<ast::Word, ast::Word>,
+    /// The conditions of the current entity or world.
+    conditions: condition::Conditions,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -182,6 +185,7 @@ impl<'a> Checker<'a> {
             worlds: Table::new("world"),
             tags: std::collections::BTreeMap::new(),
             placed: foreign::placed(files),
+            conditions: condition::Conditions::default(),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

@@ -94,6 +94,9 @@ impl Checker<'_> {
             return;
         }
         let Subject::Ref(id) = subject else { return };
+        if self.conditions.note_ref(id, span) {
+            return;
+        }
         if let (true, Some(mode), Some(entity), Some(names)) = (scope.covered, scope.mode, scope.entity, scope.names) {
             let mut around = Some(mode);
             while let Some(at) = around {

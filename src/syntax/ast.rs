@@ -197,8 +197,6 @@ pub struct Condition {
     pub name: Name,
     /// What it stands for.
     pub value: Expr,
-    /// The text of the `///` lines above it.
-    pub doc: Option<Box<str>>,
     /// The whole.
     pub span: Span,
 }

@@ -357,7 +357,7 @@ fn comma(failed: &Failure<'_>) -> Option<LikelyFix> {
 
 fn equality(failed: &Failure<'_>) -> Option<LikelyFix> {
     // Outside a condition, a second `=` may start something else.
-    let is_condition = ["when", "invariant", "goal", "never"].contains(&failed.first_word());
+    let is_condition = ["when", "invariant", "condition", "goal", "never"].contains(&failed.first_word());
     (failed.found == "=" && failed.expects("an operator")).then(|| LikelyFix {
         help: "two values are compared with `==`".into(),
         replacement: is_condition.then(|| (failed.at..failed.at + 1, "==".to_string())),

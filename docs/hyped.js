@@ -7,7 +7,7 @@
   const contextual =
     "int bool initial by fixed directions attack decay sustain for release while instant accel over " +
     "hold to follow links step collide with block sense from above keep velocity carry tiles space " +
-    "player goal never limit map place at link rect bounds legend vglc level tiled ldtk tile any " +
+    "player condition goal never limit map place at link rect bounds legend vglc level tiled ldtk tile any " +
     "touching";
   hljs.registerLanguage("hyped", () => ({
     name: "hyped",

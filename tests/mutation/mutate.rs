@@ -161,6 +161,7 @@ const WORDS: &[&str] = &[
     "use",
     "clamp",
     "invariant",
+    "condition",
     "timer",
     "pressed",
     "held",

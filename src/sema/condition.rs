@@ -1,9 +1,10 @@
 //! Named conditions: `condition on_floor = touching(body, wall, below)`. A condition is checked once, where it is
-//! declared. A use stands for the checked expression, and is checked for what the expression needs of its place.
+//! declared, at its first use. A use stands for the checked expression, and is checked for what that needs of its place.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+use crate::diagnostic::Fact;
 use crate::diagnostic::catalogue::file::TooMany;
 use crate::diagnostic::catalogue::names::{ConditionCycle, DuplicateName};
 use crate::diagnostic::catalogue::structure::JointCycle;
@@ -22,8 +23,11 @@ use super::{Checker, operators};
 
 /// Maximum number of expressions that the uses of conditions stand for, in the whole program.
 const MAX_EXPANDED: usize = 200_000;
-/// Maximum depth of an expression with those of its conditions put in place: the check recurses into them.
-const MAX_HEIGHT: usize = MAX_OPERATORS + 2 * MAX_NESTING;
+/// Maximum number of conditions inside of each other: the check recurses into them.
+const MAX_LEVELS: usize = 32;
+/// Maximum depth of an expression with those of its conditions put in place, for the same reason. A single expression
+/// is never that deep.
+const MAX_HEIGHT: usize = MAX_OPERATORS + MAX_NESTING + MAX_LEVELS;
 
 /// The conditions of the entity or the world that is checked.
 #[derive(Debug, Default)]
@@ -69,7 +73,14 @@ struct Needs {
     refs: Vec<(RefId, Span)>,
     /// The groups whose transitions it asks for.
     groups: Vec<GroupId>,
-    /// The depth with all conditions in it put in place.
+    /// The number of conditions inside of each other, and the depth of the expression with all of them put in place.
+    depth: Depth,
+}
+
+/// How deep an expression is.
+#[derive(Debug, Clone, Copy, Default)]
+struct Depth {
+    levels: usize,
     height: usize,
 }
 
@@ -154,7 +165,7 @@ impl Checker<'_> {
         self.conditions = Conditions::of(all, expanded);
     }
 
-    /// Checks the conditions of an entity.
+    /// Reports conditions of an entity whose names are taken.
     pub(super) fn entity_conditions(&mut self, names: &Skeleton, scope: &Scope<'_>) {
         for index in 0..self.conditions.declared.len() {
             let name = self.conditions.declared[index].name.clone();
@@ -166,10 +177,9 @@ impl Checker<'_> {
             let values = names.value_place(&name.text);
             self.report_duplicate(index, values, scope);
         }
-        self.check_conditions(scope);
     }
 
-    /// Declares and checks the conditions of a world.
+    /// Declares the conditions of a world.
     pub(super) fn world_conditions(&mut self, syntax: &ast::World, names: &WorldNames, scope: &Scope<'_>) {
         let items = syntax.items.iter().filter_map(|item| match item {
             ast::WorldItem::Condition(condition) => Some(((**condition).clone(), None)),
@@ -185,7 +195,6 @@ impl Checker<'_> {
             let known = known.or_else(|| names.spaces.iter().map(|(known, _)| known).find(is_it));
             self.report_duplicate(index, known.map(|known| known.span), scope);
         }
-        self.check_conditions(scope);
     }
 
     /// Reports a condition whose name means something else where it can be used.
@@ -209,14 +218,11 @@ impl Checker<'_> {
         self.diagnostics.report(DuplicateName { kind: "condition", name: name.text.to_string(), first, second });
     }
 
-    fn check_conditions(&mut self, scope: &Scope<'_>) {
+    /// The checked conditions, which are no longer known afterwards; those that nothing uses are checked now.
+    pub(super) fn take_conditions(&mut self, scope: &Scope<'_>) -> Vec<Condition> {
         for index in 0..self.conditions.declared.len() {
             self.check_condition(index, scope);
         }
-    }
-
-    /// The checked conditions, which are no longer known afterwards.
-    pub(super) fn take_conditions(&mut self) -> Vec<Condition> {
         let declared = std::mem::take(&mut self.conditions.declared);
         self.conditions.named.clear();
         let checked = declared.into_iter().filter_map(|Declared { name, mode, state, is_used, .. }| match state {
@@ -235,11 +241,13 @@ impl Checker<'_> {
         if !matches!(conditions.declared[index].state, State::Unchecked) {
             return;
         }
+        let outermost = conditions.active.first().copied().unwrap_or(index);
         let heights = conditions.active.iter().chain([&index]).map(|&at| conditions.declared[at].height);
-        if heights.sum::<usize>() > MAX_HEIGHT {
-            let outermost = conditions.active.first().copied().unwrap_or(index);
-            return self.condition_is_too_long(outermost);
+        let depth = Depth { levels: conditions.active.len() + 1, height: heights.sum() };
+        if self.is_too_deep(outermost, depth) {
+            return;
         }
+        let conditions = &mut self.conditions;
         let Declared { value, mode, height, .. } = &conditions.declared[index];
         let (value, mode, height) = (Rc::clone(value), *mode, *height);
         conditions.active.push(index);
@@ -251,10 +259,12 @@ impl Checker<'_> {
         self.facts = outer_facts;
         let mut needs = std::mem::replace(&mut self.conditions.needs, outer_needs);
         self.conditions.active.pop();
-        needs.height += height;
-        let is_too_long = needs.height > MAX_HEIGHT || term.as_ref().is_some_and(|t| operators(t) > MAX_OPERATORS);
-        if is_too_long {
-            return self.condition_is_too_long(index);
+        needs.depth = Depth { levels: needs.depth.levels + 1, height: needs.depth.height + height };
+        if self.is_too_deep(index, needs.depth) {
+            return;
+        }
+        if term.as_ref().is_some_and(|term| operators(term) > MAX_OPERATORS) {
+            self.report_once(index, ExpressionTooLong { at: value.span, limit: MAX_OPERATORS, unread: false });
         }
         let state = &mut self.conditions.declared[index].state;
         if matches!(state, State::Unchecked) {
@@ -262,16 +272,39 @@ impl Checker<'_> {
         }
     }
 
-    fn condition_is_too_long(&mut self, index: usize) {
-        let Declared { value, state, .. } = &mut self.conditions.declared[index];
+    /// Reports a condition whose expression is deeper than what is supported.
+    fn is_too_deep(&mut self, index: usize, Depth { levels, height }: Depth) -> bool {
+        let (what, count, limit) = if levels > MAX_LEVELS {
+            ("conditions inside of each other", levels, MAX_LEVELS)
+        } else if height > MAX_HEIGHT {
+            ("brackets and operators inside of each other, those of conditions included", height, MAX_HEIGHT)
+        } else {
+            return false;
+        };
+        let at = self.conditions.declared[index].name.span;
+        self.report_once(index, TooMany { what: what.into(), count: count as u64, limit: limit as u64, at });
+        true
+    }
+
+    /// Reports an error of a condition, unless it has one.
+    fn report_once(&mut self, index: usize, fact: impl Fact) {
+        let state = &mut self.conditions.declared[index].state;
         if !matches!(std::mem::replace(state, State::Broken), State::Broken) {
-            self.diagnostics.report(ExpressionTooLong { at: value.span, limit: MAX_OPERATORS, unread: false });
+            self.diagnostics.report(fact);
         }
     }
 
     /// The index of a condition that a scope can use.
     pub(super) fn visible_condition(&self, name: &str, scope: &Scope<'_>) -> Option<usize> {
         self.conditions.visible(name, scope.mode, scope.entity)
+    }
+
+    /// The mode that has a condition of a name that is not visible in a scope.
+    pub(super) fn condition_elsewhere(&self, name: &str, scope: &Scope<'_>) -> Option<String> {
+        let entity = scope.entity?;
+        let known = *self.conditions.named.get(name)?.first()?;
+        let mode = entity.modes.get(self.conditions.declared[known].mode?)?.path.join(".");
+        Some(format!("`{name}` is a condition of the mode `{mode}`: declare it in the entity to use it elsewhere"))
     }
 
     /// The expression that a use of a condition stands for, with the span of the use.
@@ -305,7 +338,8 @@ impl Checker<'_> {
             }
             return None;
         }
-        self.conditions.needs.height = self.conditions.needs.height.max(needs.height);
+        let (depth, inner) = (&mut self.conditions.needs.depth, needs.depth);
+        *depth = Depth { levels: depth.levels.max(inner.levels), height: depth.height.max(inner.height) };
         self.provide(needs, declared, span, scope)?;
         Some(Term { span, ..term.clone() })
     }

@@ -457,7 +457,7 @@ impl Checker<'_> {
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
         entity.order = self.group_order(&entity);
-        entity.conditions = self.take_conditions();
+        entity.conditions = self.take_conditions(&scope);
         entity.bound = std::mem::take(&mut self.facts.bound).into();
         entity
     }

@@ -451,7 +451,8 @@ impl Checker<'_> {
             });
             return None;
         }
-        let meant = suggestion(&name.text, scope).or_else(|| self.unreferenced(&name.text, scope));
+        let meant = self.condition_elsewhere(&name.text, scope).or_else(|| suggestion(&name.text, scope));
+        let meant = meant.or_else(|| self.unreferenced(&name.text, scope));
         let meant = meant.or_else(|| self.value_of_instance(&name.text, scope));
         let of_entity = scope.names.into_iter().flat_map(|names| {
             let plain = Some(names).filter(|_| path.primes == 0).into_iter();

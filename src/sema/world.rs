@@ -136,7 +136,7 @@ impl Checker<'_> {
                 }
             }
         }
-        world.conditions = self.take_conditions();
+        world.conditions = self.take_conditions(&scope);
         self.checked.worlds.push(world);
     }
 

@@ -104,7 +104,7 @@ pub const MEANINGS: &[Meaning] = &[
     ),
     means(
         "condition",
-        "A name for a condition, in an entity, a mode or a world. Wherever the name is used, its expression is meant.",
+        "A name for a guard, in an entity, a mode or a world. Wherever it is used, its expression is meant.",
         "condition on_floor = touching(body, wall, below)",
     ),
     means("use", "Puts a behavior in place, with all of its parameters by name.", "use Falls(pull = 400)"),

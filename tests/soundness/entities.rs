@@ -300,8 +300,7 @@ impl Generator<'_> {
                 _ => (format!("touching({tag}) as seen and seen is {name} and seen.count < 3"), Some(Some(of))),
             }
         } else {
-            let guard = self.guard();
-            (self.maybe_named(guard), None)
+            (self.guard(), None)
         };
         if self.edge_on(&format!("when {guard}"), named, siblings) && self.draw.chance(20) {
             self.edge_on("else", None, siblings);
@@ -317,6 +316,11 @@ impl Generator<'_> {
         let updates = self.updates(named, 3);
         let does_something = !target.is_empty() || !updates.is_empty();
         if does_something {
+            let nameable = guard.strip_prefix("when ").filter(|guard| !guard.contains(" as "));
+            let guard = match nameable {
+                Some(nameable) => format!("when {}", self.maybe_named(nameable.to_string())),
+                None => guard.to_string(),
+            };
             self.line(format!("{guard}{target} {updates}"));
         }
         does_something

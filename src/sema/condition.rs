@@ -85,14 +85,19 @@ struct Depth {
 }
 
 impl Conditions {
-    fn of(members: impl Iterator<Item = (ast::Condition, Option<ModeId>)>, expanded: usize) -> Self {
+    fn of<'a>(members: impl Iterator<Item = (&'a ast::Condition, Option<ModeId>)>, expanded: usize) -> Self {
         let mut conditions = Conditions { expanded, ..Conditions::default() };
         for (condition, mode) in members {
             let ast::Condition { name, value, .. } = condition;
             conditions.named.entry(name.text.clone()).or_default().push(conditions.declared.len());
-            let (height, state) = (height(&value), State::Unchecked);
-            let value = Rc::new(value);
-            conditions.declared.push(Declared { name, value, mode, height, state, is_used: false });
+            conditions.declared.push(Declared {
+                name: name.clone(),
+                value: Rc::new(value.clone()),
+                mode,
+                height: height(value),
+                state: State::Unchecked,
+                is_used: false,
+            });
         }
         conditions
     }
@@ -149,20 +154,17 @@ impl Conditions {
 }
 
 impl Checker<'_> {
-    /// Takes the conditions out of the body of an entity.
-    pub(super) fn declare_conditions(&mut self, body: &mut PendingBody) {
-        let expanded = self.conditions.expanded;
-        let modes = body.modes.iter_mut().enumerate();
-        let modes = modes.map(|(index, mode)| (&mut mode.members, Some(ModeId(index as u32))));
-        let blocks = std::iter::once((&mut body.members, None)).chain(modes);
-        let all = blocks.flat_map(|(members, mode)| {
-            let own = members.extract_if(.., |member| matches!(member, Member::Condition(_)));
-            own.filter_map(move |member| match member {
-                Member::Condition(condition) => Some((*condition, mode)),
+    /// Declares the conditions in the body of an entity.
+    pub(super) fn declare_conditions(&mut self, body: &PendingBody) {
+        let modes = body.modes.iter().enumerate();
+        let modes = modes.map(|(index, mode)| (&mode.members, Some(ModeId(index as u32))));
+        let all = std::iter::once((&body.members, None)).chain(modes).flat_map(|(members, mode)| {
+            members.iter().filter_map(move |member| match member {
+                Member::Condition(condition) => Some((&**condition, mode)),
                 _ => None,
             })
         });
-        self.conditions = Conditions::of(all, expanded);
+        self.conditions = Conditions::of(all, self.conditions.expanded);
     }
 
     /// Reports conditions of an entity whose names are taken.
@@ -182,7 +184,7 @@ impl Checker<'_> {
     /// Declares the conditions of a world.
     pub(super) fn world_conditions(&mut self, syntax: &ast::World, names: &WorldNames, scope: &Scope<'_>) {
         let items = syntax.items.iter().filter_map(|item| match item {
-            ast::WorldItem::Condition(condition) => Some(((**condition).clone(), None)),
+            ast::WorldItem::Condition(condition) => Some((&**condition, None)),
             _ => None,
         });
         self.conditions = Conditions::of(items, self.conditions.expanded);

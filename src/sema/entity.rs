@@ -412,10 +412,10 @@ impl Checker<'_> {
     }
 
     /// Checks the body of an entity whose names are known.
-    pub(super) fn entity(&mut self, mut body: PendingBody, id: EntityId) -> Entity {
+    pub(super) fn entity(&mut self, body: PendingBody, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
-        self.declare_conditions(&mut body);
+        self.declare_conditions(&body);
         let names = &Skeleton::of(&frozen, &body.modes, &self.conditions);
         let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
         let scope = scope.reading(ReadLimit::All);

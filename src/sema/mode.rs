@@ -209,7 +209,7 @@ impl Checker<'_> {
                         entity.modes[id].follows.push(follow);
                     }
                 }
-                Member::Mode(_) | Member::Use(_) => {}
+                Member::Mode(_) | Member::Use(_) | Member::Condition(_) => {}
                 other => self.misplaced(&other, "a mode", "in the entity, outside of its modes"),
             }
         }

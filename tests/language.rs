@@ -5,6 +5,7 @@
 mod support;
 
 mod compiled;
+mod conditions;
 mod docs;
 mod editors;
 mod explain;

@@ -131,6 +131,43 @@ fn every_construct_happens() {
     insta::assert_snapshot!(names.join("\n"));
 }
 
+/// A text without conditions: their expressions are in place of their names.
+fn without_names(text: &str) -> (String, usize) {
+    let mut expressions: BTreeMap<String, String> = BTreeMap::new();
+    let mut out = String::new();
+    for line in text.lines() {
+        let mut written = String::new();
+        for word in line.split_inclusive(|c: char| !c.is_alphanumeric() && c != '_') {
+            let name = word.trim_end_matches(|c: char| !c.is_alphanumeric() && c != '_');
+            match expressions.get(name) {
+                Some(expression) => written.push_str(&format!("({expression}){}", &word[name.len()..])),
+                None => written.push_str(word),
+            }
+        }
+        match written.trim_start().strip_prefix("condition ").and_then(|rest| rest.split_once(" = ")) {
+            Some((name, expression)) => drop(expressions.insert(name.to_string(), expression.to_string())),
+            None => out.push_str(&(written + "\n")),
+        }
+    }
+    (out, expressions.len())
+}
+
+#[test]
+fn names_of_guards_change_nothing() {
+    let (mut names, mut programs) = (0, 0);
+    for seed in seeds(300) {
+        let text = program(&choices(seed), Frame::default());
+        let (written, count) = without_names(&text);
+        let (named, written) = (compiled(&text), compiled(&written));
+        assert_eq!(named.program.is_some(), written.program.is_some(), "world {seed}\n{text}");
+        let (Some(named), Some(written)) = (&named.program, &written.program) else { continue };
+        assert_eq!(hypedc::ir::text(named), hypedc::ir::text(written), "world {seed}\n{text}");
+        names += count;
+        programs += 1;
+    }
+    assert!(programs > 200 && names > programs, "{names} names in {programs} programs");
+}
+
 /// Steps states that are possible by the claims; what is not possible then is told. It is a hint: no run may ever be in
 /// the state before.
 #[test]

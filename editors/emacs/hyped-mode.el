@@ -71,6 +71,7 @@
     (members "\\_<\\(initial\\)[ \t]+\\(?:mode\\|when\\)\\_>")
     (members "\\_<\\(always\\)[ \t\n]*{")
     (members "\\_<\\(follow\\)[ \t]+\\(links\\)\\_>[ \t]*\\(?:[^':= \t]\\|$\\)")
+    (members start "\\(condition\\)[ \t]+" name "[ \t]*=\\(?:[^=]\\|$\\)")
     (members "\\_<discrete[ \t]+" name "[ \t]*:[ \t]*\\(int\\|bool\\)\\_>")
     (members "\\_<envelope[ \t]+\\(?:" name "'*\\|([^)]*)\\)[ \t]+\\(by\\|fixed\\)\\_>")
     (members "\\_<\\(directions\\)[ \t]+\\w+[ \t]*\\(?:{\\|//\\|$\\)")
@@ -91,6 +92,7 @@
     (world start "\\(limit\\)[ \t]+" name "[ \t]+[([:word:]]")
     (world start "\\(player\\)[ \t]+[0-9]")
     (world start "\\(goal\\|never\\)[ \t]+" name "[ \t]*:\\(?:[^=]\\|$\\)")
+    (world start "\\(condition\\)[ \t]+" name "[ \t]*=\\(?:[^=]\\|$\\)")
     (world start "tiles[ \t]+" name "[ \t]+\\(?:x[ \t]+\\|[^{\n]*?[)[:word:]][ \t]+\\)\\(x\\)[ \t]+[([:word:]]")
     (space start "\\(place\\)[ \t]+" name "[ \t]*:[ \t]*" name "[ \t]+\\(at\\)\\_>")
     (space start "\\(link\\|bounds\\)[ \t]+\\(rect\\)\\_>")
@@ -269,6 +271,7 @@ Skips the tag before the parenthesis of a `rect' in a space."
     ("Behaviours" "^behavior[ \t]+\\(\\w+\\)" 1)
     ("Worlds" "^world[ \t]+\\(\\w+\\)" 1)
     ("Modes" "^[ \t]+\\(?:initial[ \t]+\\(?:when.*\\)?\\)?mode[ \t]+\\(\\w+\\)" 1)
+    ("Conditions" "^[ \t]+condition[ \t]+\\(\\w+\\)[ \t]*=" 1)
     ("Goals" "^[ \t]+\\(?:goal\\|never\\)[ \t]+\\(\\w+\\)[ \t]*:" 1)))
 
 (add-to-list 'compilation-error-regexp-alist-alist

@@ -80,7 +80,7 @@ module.exports = grammar({
       [$.group, $.mode, $.always, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
       [
         $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.collider, $.clamp, $.invariant,
-        $.edge, $.follow, $.put, $.spawn, $.destroy, $.flow, $.update,
+        $.condition, $.edge, $.follow, $.put, $.spawn, $.destroy, $.flow, $.update,
       ],
     ),
 
@@ -121,6 +121,7 @@ module.exports = grammar({
         seq(choice('<=', '>='), field('bound', $.expression)),
       ),
     ),
+    condition: $ => seq('condition', field('name', $.identifier), '=', field('holds', $.expression)),
     invariant: $ => seq('invariant', field('holds', $.expression)),
 
     group: $ => seq('group', field('name', $.identifier), field('body', $.block)),
@@ -180,7 +181,7 @@ module.exports = grammar({
     world_block: $ => block(
       $,
       [$.tiles, $.space],
-      [$.step, $.collide, $.limit, $.player, $.goal, $.never],
+      [$.step, $.collide, $.limit, $.player, $.condition, $.goal, $.never],
     ),
     step: $ => seq('step', field('time', $.expression)),
     collide: $ => seq('collide', $.tags, 'with', $.tags, ':', field('response', $.response)),
@@ -293,11 +294,9 @@ module.exports = grammar({
       optional($.primes),
     ),
     variable: $ => seq($.identifier, optional($.primes)),
-    // At the start of a statement, these two names can also be keywords.
+    // At the start of a statement, these names can also be keywords.
     _member_variable: $ => seq($._flowing_name, optional($.primes)),
-    _flowing_name: $ => choice(
-      $.identifier, alias('follow', $.identifier), alias('initial', $.identifier), alias('always', $.identifier),
-    ),
+    _flowing_name: $ => choice($.identifier, ...['follow', 'initial', 'always', 'condition'].map((word) => alias(word, $.identifier))),
     primes: _ => token.immediate(/'+/),
     tags: $ => commas($.tag),
     tag: $ => choice($.identifier, $.text),

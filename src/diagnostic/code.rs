@@ -57,6 +57,7 @@ codes! {
     AmbiguousMode Error "E0203" "a mode's name fits several modes"
     ImportCycle Error "E0204" "files import each other"
     BehaviorCycle Error "E0205" "behaviours use each other"
+    ConditionCycle Error "E0206" "conditions use each other"
 
     TypeMismatch Error "E0301" "a value is of the wrong type"
     DimensionConflict Error "E0302" "a value is used with two dimensions"

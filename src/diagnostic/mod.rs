@@ -176,6 +176,13 @@ impl Diagnostics {
         self.list.truncate(kept);
     }
 
+    /// Adds a label to the findings after the first `known`.
+    pub(crate) fn add_label(&mut self, known: usize, at: Span, text: String) {
+        for d in self.list.iter_mut().skip(known) {
+            *d = d.clone().and(at, text.clone());
+        }
+    }
+
     /// Appends the findings of another stage.
     pub fn append(&mut self, mut other: Diagnostics) {
         self.list.append(&mut other.list);

@@ -1,11 +1,11 @@
-//! Declarations that nothing reads: parameters, variables, references, inputs.
+//! Declarations that nothing reads: parameters, variables, references, inputs, conditions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::Unused;
 use crate::ir::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, Place, RefId, Subject, VarId, WorldId};
-use crate::sema::checked::{Action, By, Checked, Entity, Given, Name, Term, TermKind};
+use crate::sema::checked::{Action, By, Checked, Condition, Entity, Given, Name, Term, TermKind};
 use crate::source::{FileId, Span};
 
 use super::terms;
@@ -33,7 +33,8 @@ impl Reads {
             let defaults = entity.params.iter().map(|p| &p.default);
             let firsts = entity.vars.iter().filter_map(|v| v.initial.as_ref());
             let firsts = firsts.chain(entity.discretes.iter().map(|d| &d.initial));
-            for term in terms::of_entity(entity).into_iter().chain(defaults).chain(firsts) {
+            let conditions = entity.conditions.iter().map(|c| &c.value);
+            for term in terms::of_entity(entity).into_iter().chain(defaults).chain(firsts).chain(conditions) {
                 reads.term(checked, here, term);
             }
             for envelope in entity.envelopes.iter() {
@@ -49,7 +50,8 @@ impl Reads {
             let questions = world.goals.iter().chain(world.nevers.iter()).map(|q| &q.predicate);
             let guards = world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref());
             let given = world.instances.iter().flat_map(|i| &i.given).map(|(_, term)| term);
-            for term in questions.chain(guards).chain(given) {
+            let conditions = world.conditions.iter().map(|c| &c.value);
+            for term in questions.chain(guards).chain(given).chain(conditions) {
                 reads.term(checked, TermOwner::World(id), term);
             }
         }
@@ -146,11 +148,21 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
             let written = writes.get(&(id, Target::Ref(reference))).copied();
             judge("reference", &r.name, reads.refs.contains(&(id, reference)), written);
         }
+        for condition in &entity.conditions {
+            judge("condition", &condition.name, condition.is_used, None);
+        }
         for (button, name) in entity.buttons.pairs() {
             judge("button", name, reads.has(id, ReadTarget::Button(button)), None);
         }
         for (axis, name) in entity.axes.pairs() {
             judge("axis", name, reads.has(id, ReadTarget::Axis(axis)), None);
+        }
+    }
+    for condition in checked.worlds.iter().flat_map(|w| &w.conditions) {
+        let Condition { name, is_used, .. } = condition;
+        if !is_used && !name.text.starts_with('_') {
+            let (kind, name, at) = ("condition", name.text.to_string(), name.span);
+            found.report(Unused { kind, name, at, written: None });
         }
     }
 }

@@ -36,7 +36,7 @@ impl Checker<'_> {
             self.diagnostics.report(Misplaced {
                 at: binding.span,
                 what: "`as`",
-                inside: "this expression",
+                inside: if self.conditions.are_checked() { "a condition" } else { "this expression" },
                 belongs: "after `touching(…)` in the guard of an edge, outside of `not` and `or`",
             });
             return None;
@@ -98,6 +98,7 @@ impl Checker<'_> {
                     self.diagnostics.report(JointCycle { steps: vec![(name, span)] });
                     return None;
                 }
+                self.conditions.note_group(group);
                 return make(TermKind::Joint { mode, entering: function.text == "entering" }, Type::Bool);
             }
             "lost" => {

@@ -230,6 +230,8 @@ pub struct Entity {
     pub clamps: Vec<Clamp>,
     /// Predicates that must always hold.
     pub invariants: Vec<Term>,
+    /// Named conditions, which their uses have replaced.
+    pub conditions: Vec<Condition>,
     /// The groups in the order of decision: a group comes after those that its guards depend on.
     pub order: Vec<GroupId>,
 }
@@ -279,6 +281,19 @@ pub struct Clamp {
     pub high: Option<Term>,
     /// The line.
     pub span: Span,
+}
+
+/// A named condition of an entity, a mode or a world.
+#[derive(Debug, Clone)]
+pub struct Condition {
+    /// Its name.
+    pub name: Name,
+    /// The mode that holds it.
+    pub mode: Option<ModeId>,
+    /// What its uses stand for.
+    pub value: Term,
+    /// Whether anything uses it.
+    pub is_used: bool,
 }
 
 /// A parameter.

@@ -8,7 +8,7 @@ use crate::ir::{
 use crate::source::Span;
 use crate::syntax::ast::Name;
 
-use super::checked::Term;
+use super::checked::{Condition, Term};
 
 /// A world.
 #[derive(Debug, Clone)]
@@ -31,6 +31,8 @@ pub struct World {
     pub goals: IdVec<GoalId, Question>,
     /// What must not happen.
     pub nevers: IdVec<NeverId, Question>,
+    /// Named conditions, which their uses have replaced.
+    pub conditions: Vec<Condition>,
     /// The space whose map the command line must provide.
     pub open: Option<SpaceId>,
     /// The whole.

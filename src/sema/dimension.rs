@@ -131,6 +131,10 @@ pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Di
     }
     for world in program.worlds.iter() {
         solver.world(world);
+        for condition in &world.conditions {
+            let entity_of = |slot: SlotId| world.instances[slot].entity;
+            solver.dimension(&condition.value, &TermContext { me: None, entity_of: &entity_of });
+        }
         for question in world.goals.iter().chain(world.nevers.iter()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
             solver.dimension(&question.predicate, &TermContext { me: None, entity_of: &entity_of });
@@ -596,6 +600,9 @@ impl Solver<'_> {
                 let needed = of_var(self, var, 0);
                 self.place(initial, &needed, &context);
             }
+        }
+        for condition in &entity.conditions {
+            self.dimension(&condition.value, &context);
         }
     }
 }

@@ -18,12 +18,12 @@ use crate::syntax::occurrence::NameKind;
 
 use super::checked::SetId;
 use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
+use super::condition::Conditions;
 use super::constant::{ConstantContext, ConstantError, evaluate};
 use super::expression::{ReadLimit, Scope};
 use super::facts::Facts;
 use super::mode::ModeNames;
 use super::names::{Candidate, Table, unknown};
-use super::reference::lost_by;
 use super::{Boxes, Checker, Set};
 
 /// The names of an entity.
@@ -45,17 +45,19 @@ pub(super) struct Skeleton {
 #[derive(Debug)]
 pub(super) struct PendingBody {
     /// The members outside of modes.
-    members: Vec<Member>,
+    pub members: Vec<Member>,
     /// Modes in preorder of their ids, without their child modes.
-    modes: Boxes<ast::Mode>,
+    pub modes: Boxes<ast::Mode>,
 }
 
 impl Skeleton {
     /// The names of a completely declared entity.
-    fn of(entity: &Entity, modes: &[Box<ast::Mode>]) -> Self {
-        let lost = |mode: &ast::Mode| {
+    fn of(entity: &Entity, modes: &[Box<ast::Mode>], conditions: &Conditions) -> Self {
+        let lost = |index: usize, mode: &ast::Mode| {
             let edges = mode.members.iter().filter_map(|m| match m {
-                Member::Edge(edge) if edge.target.is_some() => lost_by(&edge.guard),
+                Member::Edge(edge) if edge.target.is_some() => {
+                    conditions.lost_by(&edge.guard, ModeId(index as u32), entity)
+                }
                 _ => None,
             });
             let once: BTreeSet<Word> = edges.map(|name| name.text).collect();
@@ -69,8 +71,16 @@ impl Skeleton {
             buttons: Table::of("button", entity.buttons.iter()),
             axes: Table::of("axis", entity.axes.iter()),
             modes: ModeNames::of(entity),
-            lost: modes.iter().map(|mode| lost(mode)).collect(),
+            lost: modes.iter().enumerate().map(|(index, mode)| lost(index, mode)).collect(),
         }
+    }
+
+    /// Where a parameter, a variable or a reference of a name is declared.
+    pub fn value_place(&self, name: &str) -> Option<Span> {
+        let param = self.params.entry(name).map(|(known, _)| known);
+        let known = param.or_else(|| self.vars.entry(name).map(|(known, _)| known));
+        let known = known.or_else(|| self.discretes.entry(name).map(|(known, _)| known));
+        known.or_else(|| self.refs.entry(name).map(|(known, _)| known)).map(|known| known.span)
     }
 }
 
@@ -95,6 +105,7 @@ impl Checker<'_> {
             drives: Vec::new(),
             clamps: Vec::new(),
             invariants: Vec::new(),
+            conditions: Vec::new(),
             order: Vec::new(),
         };
         let mut body = PendingBody { members: Vec::new(), modes: Boxes::new() };
@@ -103,7 +114,7 @@ impl Checker<'_> {
             entity.vars.push(Var { name, initial: None, dimension: None });
         }
         // The scope of parameter defaults.
-        let mut names = Skeleton::of(&entity, &[]);
+        let mut names = Skeleton::of(&entity, &[], &self.conditions);
         let mut modes: Vec<Member> = Vec::new();
         // Parameters and variables share one name space; buttons and axes another.
         let mut values: Table<()> = Table::new("parameter or variable");
@@ -198,16 +209,21 @@ impl Checker<'_> {
     }
 
     fn is_new_value(&mut self, name: &Name, values: &mut Table<()>) -> bool {
-        if name.text == "x" || name.text == "y" {
+        !self.is_of_every_entity(name) && values.declare(name, (), &mut self.diagnostics)
+    }
+
+    /// Reports a declaration of `x` or `y`.
+    pub(super) fn is_of_every_entity(&mut self, name: &Name) -> bool {
+        let is_position = name.text == "x" || name.text == "y";
+        if is_position {
             self.diagnostics.report(Misplaced {
                 at: name.span,
                 what: "a declaration of `x` or `y`",
                 inside: "an entity",
                 belongs: "nowhere: every entity has `x` and `y`",
             });
-            return false;
         }
-        values.declare(name, (), &mut self.diagnostics)
+        is_position
     }
 
     fn parameter(&mut self, p: &ast::Constant, entity: &mut Entity, names: &mut Skeleton, values: &mut Table<()>) {
@@ -409,6 +425,7 @@ impl Checker<'_> {
             Member::Reference(r) => (r.name.span, "a `ref`"),
             Member::Clamp(c) => (c.span, "a `clamp`"),
             Member::Invariant(i) => (i.span, "an `invariant`"),
+            Member::Condition(c) => (c.name.span, "a `condition`"),
             Member::Follow(f) => (f.span, "`follow links`"),
             Member::Use(u) => (u.span, "a `use`"),
             Member::Edge(e) => (e.span, "an edge"),
@@ -421,10 +438,12 @@ impl Checker<'_> {
     pub(super) fn entity(&mut self, body: PendingBody, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
-        let names = &Skeleton::of(&frozen, &body.modes);
+        self.declare_conditions(&body);
+        let names = &Skeleton::of(&frozen, &body.modes, &self.conditions);
         let scope = Scope { entity: Some(&*frozen), names: Some(names), me: Some(id), ..Scope::constant() };
         let scope = scope.reading(ReadLimit::All);
         self.facts = Facts::default();
+        self.entity_conditions(names, &scope);
         self.initial_values(&body.members, names, &mut entity, &scope);
         for member in body.members {
             match member {
@@ -461,6 +480,7 @@ impl Checker<'_> {
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
         entity.order = self.group_order(&entity);
+        entity.conditions = self.take_conditions(&scope);
         entity.bound = std::mem::take(&mut self.facts.bound).into();
         entity
     }

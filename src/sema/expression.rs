@@ -357,6 +357,7 @@ impl Checker<'_> {
         what: &'static str,
     ) -> Option<T> {
         if item.is_some() && scope.reads >= needs {
+            self.conditions.note_read(needs, what);
             return item;
         }
         if scope.world.is_some() {
@@ -413,11 +414,19 @@ impl Checker<'_> {
                 self.allow(Some(()), span, scope, ReadLimit::State, "a variable")?;
                 return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty);
             }
+            if let Some(index) = self.visible_condition(&name.text, scope) {
+                return self.used_condition(index, path, span, scope);
+            }
             if let Some(&id) = names.axes.get(&name.text).filter(|_| path.primes == 0) {
                 self.record_use(NameKind::Axis, name.span, entity.axes[id].span);
                 self.allow(Some(()), span, scope, ReadLimit::All, "an axis")?;
                 return make(TermKind::Axis(id), Type::Real);
             }
+        }
+        if scope.world.is_some()
+            && let Some(index) = self.visible_condition(&name.text, scope)
+        {
+            return self.used_condition(index, path, span, scope);
         }
         if let Some((subject, entity)) = self.referred(&name.text, scope) {
             self.record_subject_use(subject, name, scope);
@@ -442,7 +451,8 @@ impl Checker<'_> {
             });
             return None;
         }
-        let meant = suggestion(&name.text, scope).or_else(|| self.unreferenced(&name.text, scope));
+        let meant = self.condition_elsewhere(&name.text, scope).or_else(|| suggestion(&name.text, scope));
+        let meant = meant.or_else(|| self.unreferenced(&name.text, scope));
         let meant = meant.or_else(|| self.value_of_instance(&name.text, scope));
         let of_entity = scope.names.into_iter().flat_map(|names| {
             let plain = Some(names).filter(|_| path.primes == 0).into_iter();
@@ -451,7 +461,8 @@ impl Checker<'_> {
         });
         let set = wanted.and_then(|ty| if let Type::Set(set) = ty { Some(*set) } else { None });
         let values = set.into_iter().flat_map(|set| self.sets[set].names.iter().map(|v| Candidate::from(v.as_str())));
-        let known = of_entity.chain(values).chain(self.constants.names());
+        let conditions = self.conditions.names(scope).filter(|_| path.primes == 0).map(Candidate::from);
+        let known = of_entity.chain(values).chain(conditions).chain(self.constants.names());
         let kind = if path.primes > 0 { "continuous variable" } else { "variable, parameter or constant" };
         let fact = unknown(kind, &name.text, name.span, known).suggestion(meant);
         self.report_unknown(fact);

@@ -7,6 +7,7 @@ mod annotation;
 mod call;
 pub mod checked;
 mod checked_world;
+mod condition;
 mod conflict;
 mod constant;
 pub mod dimension;
@@ -160,6 +161,8 @@ struct Checker<'a> {
     placed: std::collections::BTreeMap<ast::Word, ast::Word>,
     /// The references that may be none.
     lost: lasting::Lost,
+    /// The conditions of the current entity or world.
+    conditions: condition::Conditions,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -186,6 +189,7 @@ impl<'a> Checker<'a> {
             tags: std::collections::BTreeMap::new(),
             placed: foreign::placed(files),
             lost: lasting::Lost::of(files),
+            conditions: condition::Conditions::default(),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

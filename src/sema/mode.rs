@@ -18,7 +18,6 @@ use super::expression::{ReadLimit, Scope};
 use super::facts::Mark;
 use super::names::{Candidate, unknown};
 use super::operator::arithmetic;
-use super::reference::lost_by;
 use super::{Boxes, Checker};
 
 /// What an `else` negates.
@@ -220,7 +219,7 @@ impl Checker<'_> {
                         entity.modes[id].follows.push(follow);
                     }
                 }
-                Member::Use(_) => {}
+                Member::Use(_) | Member::Condition(_) => {}
                 Member::Mode(_) if is_always => self.misplaced(&member, "`always`", "beside it, in the entity"),
                 other => self.misplaced(&other, "a mode", "in the entity, outside of its modes"),
             }
@@ -288,7 +287,8 @@ impl Checker<'_> {
         if edge.target.is_none() && edge.is_empty {
             self.diagnostics.report(IdleEdge { at: edge.span });
         }
-        let lost = lost_by(&edge.guard).and_then(|name| names.refs.get(&name.text).copied());
+        let lost = self.conditions.lost_by(&edge.guard, source, entity);
+        let lost = lost.and_then(|name| names.refs.get(&name.text).copied());
         let written = edge.updates.len();
         let mut actions: Vec<Action> = Vec::with_capacity(written);
         for update in edge.updates {
@@ -423,6 +423,15 @@ impl Checker<'_> {
                 value = arithmetic(operator, [now, value], span)?;
             }
             return Some(Update { place: Place::Var(var, degree?), value, span: update.span() });
+        }
+        if self.visible_condition(&name.text, scope).is_some() {
+            self.diagnostics.report(TypeMismatch {
+                at: update.variable.span,
+                found: "a condition".into(),
+                expected: "a variable".into(),
+                help: Some("a condition follows from what it reads; a `discrete … : bool` keeps a value".into()),
+            });
+            return None;
         }
         if names.params.get(&name.text).is_some() {
             self.diagnostics.report(TypeMismatch {

@@ -132,7 +132,12 @@ impl Checker<'_> {
             }
             let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
             let known = known.chain(entity.params.iter().map(|p| &p.name));
-            let fact = unknown("variable", &second.text, second.span, known);
+            let is_condition = entity.conditions.iter().any(|c| c.name.text == second.text);
+            let meant = is_condition.then(|| {
+                let (name, of) = (&second.text, &entity.name.text);
+                format!("`{name}` is a condition, which only `{of}` itself can use; a `discrete … : bool` can be read")
+            });
+            let fact = unknown("variable", &second.text, second.span, known).suggestion(meant);
             self.report_unknown(fact);
             None
         }

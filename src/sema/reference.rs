@@ -96,6 +96,9 @@ impl Checker<'_> {
         let Subject::Ref(id) = subject else { return };
         let me = scope.entity.map_or("", |entity| &*entity.name.text);
         let Some(reason) = self.lost.reason(me, &name.text) else { return };
+        if self.conditions.note_ref(id, span) {
+            return;
+        }
         if let (true, Some(mode), Some(entity), Some(names)) = (scope.covered, scope.mode, scope.entity, scope.names) {
             let mut around = Some(mode);
             while let Some(at) = around {

@@ -43,6 +43,7 @@ impl Checker<'_> {
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
+            conditions: Vec::new(),
             open: None,
             span: syntax.span,
         };
@@ -115,6 +116,7 @@ impl Checker<'_> {
         self.placed_references(&mut population);
         world.instances = population.instances;
         let names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
+        self.world_conditions(syntax, &names, &Scope::predicate(&names));
         self.links(syntax, &names, &spaces, &mut world);
         self.players(syntax, &mut world);
         let mut goals: Table<()> = Table::new("goal");
@@ -138,6 +140,7 @@ impl Checker<'_> {
                 }
             }
         }
+        world.conditions = self.take_conditions(&scope);
         self.checked.worlds.push(world);
     }
 

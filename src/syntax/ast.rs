@@ -145,6 +145,8 @@ pub enum Member {
     Clamp(Box<Clamp>),
     /// `invariant predicate`
     Invariant(Box<Invariant>),
+    /// `condition name = predicate`
+    Condition(Box<Condition>),
     /// `x' := e` at the head of a mode
     Entry(Box<Update>),
     /// `when guard -> target { … }`
@@ -184,6 +186,17 @@ pub struct Clamp {
 pub struct Invariant {
     /// What always holds.
     pub predicate: Expr,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `condition name = predicate`: a name for a truth value, in an entity, a mode, a behaviour or a world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Condition {
+    /// Its name.
+    pub name: Name,
+    /// What it stands for.
+    pub value: Expr,
     /// The whole.
     pub span: Span,
 }

@@ -2,7 +2,7 @@
 
 use crate::source::Span;
 
-use super::ast::{Assignment, Expr, File, Item, Name};
+use super::ast::{Assignment, Condition, Expr, File, Item, Name};
 
 /// `world Name { … }`
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,8 @@ pub enum WorldItem {
     Limit(Box<Limit>),
     /// `player 1: hero`
     Player(Box<Player>),
+    /// `condition name = predicate`
+    Condition(Box<Condition>),
     /// `goal name: predicate`
     Goal(Box<Question>),
     /// `never name: predicate`

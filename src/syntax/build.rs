@@ -430,6 +430,7 @@ impl<'a> Builder<'a> {
             Rule::invariant => {
                 Member::Invariant(Invariant { predicate: self.expression(inner.first()?)?, span }.into())
             }
+            Rule::condition => Member::Condition(self.condition(pair)?.into()),
             Rule::put => {
                 let arguments = match inner.get(1) {
                     Some(actuals) => self.actuals(actuals)?,

@@ -1,11 +1,11 @@
-//! Builds the syntax tree from pest's pairs: worlds, tiles, spaces, goals.
+//! Builds the syntax tree from pest's pairs: worlds, tiles, spaces, goals, conditions.
 
 use pest::iterators::Pair;
 
 use super::Rule;
 use super::ast::{
-    Collide, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player, Question, Rectangle,
-    Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
+    Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player, Question,
+    Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -92,6 +92,7 @@ impl<'a> Builder<'a> {
                 let (number, instance) = (self.name(first), self.name(inner.get(1)?));
                 WorldItem::Player(Player { number, instance, span }.into())
             }
+            Rule::condition => WorldItem::Condition(self.condition(pair)?.into()),
             Rule::goal => WorldItem::Goal(self.question(&inner)?.into()),
             Rule::never => WorldItem::Never(self.question(&inner)?.into()),
             _ => return None,
@@ -100,6 +101,13 @@ impl<'a> Builder<'a> {
 
     fn question(&mut self, inner: &[Pair<'_, Rule>]) -> Option<Question> {
         Some(Question { name: self.name(inner.first()?), predicate: self.expression(inner.get(1)?)? })
+    }
+
+    /// `condition name = predicate`, also of an entity.
+    pub(super) fn condition(&mut self, pair: &Pair<'_, Rule>) -> Option<Condition> {
+        let inner = parts(pair);
+        let value = inner.iter().rfind(|p| p.as_rule() == Rule::expression)?;
+        Some(Condition { name: self.name(inner.first()?), value: self.expression(value)?, span: self.span_of(pair) })
     }
 
     fn response(&mut self, pair: &Pair<'_, Rule>) -> Option<Response> {

@@ -51,6 +51,8 @@ type ForeignWords = (&'static [&'static str], Option<&'static str>, &'static str
 
 const NO_FUNCTIONS: &str = "there are no functions; what several entities share is a `behavior`, taken with `use`";
 
+const NAMED_GUARD: &str = "a name for a guard is a `condition NAME = GUARD`";
+
 const MEMBERS: &[ForeignWords] = &[
     (&["state", "phase"], Some("mode"), "a state of an entity is a `mode`"),
     (
@@ -80,6 +82,7 @@ const MEMBERS: &[ForeignWords] = &[
     (&["wait", "after", "delay", "every"], None, "`timer` counts the seconds in a mode: `when timer >= 2 -> MODE`"),
     (&["function", "func", "fn", "def", "method", "extends", "template"], None, NO_FUNCTIONS),
     (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others are in a `group`"),
+    (&["predicate", "guard", "macro", "define", "alias"], Some("condition"), NAMED_GUARD),
 ];
 
 const ITEMS: &[ForeignWords] = &[
@@ -121,6 +124,7 @@ const WORLD_ITEMS: &[ForeignWords] = &[
         None,
         "what moves is said by flows in entities: `y'' = -400` is a fall, px/s each second",
     ),
+    (&["predicate", "guard", "macro", "define", "alias"], Some("condition"), NAMED_GUARD),
     (&["map", "place", "rect", "bounds", "link"], None, "this belongs in a space: `space main { … }`"),
 ];
 
@@ -357,7 +361,7 @@ fn comma(failed: &Failure<'_>) -> Option<LikelyFix> {
 
 fn equality(failed: &Failure<'_>) -> Option<LikelyFix> {
     // Outside a condition, a second `=` may start something else.
-    let is_condition = ["when", "invariant", "goal", "never"].contains(&failed.first_word());
+    let is_condition = ["when", "invariant", "condition", "goal", "never"].contains(&failed.first_word());
     (failed.found == "=" && failed.expects("an operator")).then(|| LikelyFix {
         help: "two values are compared with `==`".into(),
         replacement: is_condition.then(|| (failed.at..failed.at + 1, "==".to_string())),

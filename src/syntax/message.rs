@@ -283,6 +283,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::limit
             | R::player
             | R::goal
+            | R::condition
             | R::never
             | R::map
             | R::place

@@ -28,6 +28,8 @@ pub enum NameKind {
     Discrete,
     /// One of a discrete variable's names.
     Value,
+    /// `condition`
+    Condition,
     /// `ref`
     Reference,
     /// An instance bound by `as`.

@@ -125,6 +125,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_space
             | R::word_player
             | R::word_goal
+            | R::word_condition
             | R::word_never
             | R::word_map
             | R::word_place
@@ -159,6 +160,7 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "goal",
         "never",
         "map",
+        "condition",
     ];
     const OTHER: &[&str] =
         &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];

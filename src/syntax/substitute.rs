@@ -122,6 +122,11 @@ impl Substitution {
                 self.whole(&mut i.predicate);
                 self.span(&mut i.span);
             }
+            Member::Condition(c) => {
+                self.name(&mut c.name);
+                self.whole(&mut c.value);
+                self.span(&mut c.span);
+            }
             Member::Flow(a) => self.assignment(a),
             Member::Entry(u) => self.update(u),
             Member::Edge(e) => {

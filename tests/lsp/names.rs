@@ -88,6 +88,57 @@ fn a_new_name_must_not_catch_what_meant_another() {
     insta::assert_snapshot!(session.end());
 }
 
+const FROG: &str = "\
+behavior Sinks(t) {
+    condition tired = timer > t
+    mode dry { when tired -> wet }
+    mode wet { }
+}
+/// Leaps.
+entity Frog {
+    button jump
+    collider body: rect(0, 0, 8, 8)
+    /// Stands on something.
+    condition on_floor = touching(body, wall, below)
+        or touching(body, leaf, below)
+    condition leaps = on_floor and pressed(jump)
+    mode sit {
+        condition warm = timer > 1s
+        when leaps and warm -> sit { y' := 9 }
+        when not on_floor -> swim
+    }
+    mode swim { use Sinks(t = 2s) }
+}
+world Pond {
+    collide body with wall, leaf: block
+    condition high = frog.y > 20
+    goal up: high
+    never both: high and frog in swim
+    space s { place frog: Frog at (0, 0) }
+}
+";
+
+#[test]
+fn conditions_have_names() {
+    let mut session = Session::new(&[]);
+    session.open("frog.hyped", FROG);
+    let places = ["leaps = on_fl|oor", "when lea|ps", "and wa|rm", "up: hi|gh", "when ti|red"];
+    for place in places {
+        session.ask_at("textDocument/definition", "frog.hyped", place, json!({}));
+        session.ask_at("textDocument/hover", "frog.hyped", place, json!({}));
+    }
+    let whole = json!({ "context": { "includeDeclaration": true } });
+    session.ask_at("textDocument/references", "frog.hyped", "condition on_fl|oor", whole);
+    for (place, name) in
+        [("when not on_fl|oor", "stands"), ("up: hi|gh", "far"), ("condition ti|red", "worn"), ("and wa|rm", "leaps")]
+    {
+        session.ask_at("textDocument/rename", "frog.hyped", place, json!({ "newName": name }));
+    }
+    session.ask("textDocument/documentSymbol", "frog.hyped", json!({}));
+    session.ask_at("textDocument/hover", "frog.hyped", "condi|tion leaps", json!({}));
+    insta::assert_snapshot!(session.end());
+}
+
 #[test]
 fn tags_of_levels_are_not_renamed() {
     let legend = "{ \"tiles\": { \"-\": [\"passable\", \"empty\"], \"X\": [\"solid\", \"ground\"] } }";

@@ -66,6 +66,33 @@ fn completion_knows_the_place() {
 }
 
 #[test]
+fn conditions_are_offered_where_they_are_visible() {
+    let text = "behavior B { condition calm = y < 3; mode q { when calm { y := 0 } } }
+entity A {
+    condition low = y < 3
+    mode m {
+        condition late = timer > 1s
+        when late and low -> n
+    }
+    mode n { when low -> m }
+}
+world W { condition up = a.y > 3; goal g: up; space s { place a: A at (0, 0) } }
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("when late and low -> n", "when |"),
+        ("when low -> m", "when |"),
+        ("goal g: up", "goal g: |"),
+        ("when calm {", "when | {"),
+        ("condition low = y < 3", "condition |"),
+        ("condition low = y < 3", "condition low = y < 3 |"),
+    ] {
+        completed_in(&mut session, text, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn what_is_given_already_is_not_offered() {
     let text = "behavior Moves(speed, way, far) { x' = speed * way; clamp x <= far }
 behavior Other(none_of_this) { y = none_of_this }

@@ -162,6 +162,7 @@ const WORDS: &[&str] = &[
     "use",
     "clamp",
     "invariant",
+    "condition",
     "timer",
     "pressed",
     "held",

@@ -422,7 +422,11 @@ impl Generator<'_> {
 
     pub fn questions(&mut self) {
         for index in 0..2 + self.draw.pick(3) {
-            let predicate = self.predicate();
+            let mut predicate = self.predicate();
+            if index == 1 {
+                self.world_line(format!("condition asked = {predicate}"));
+                predicate = "asked".into();
+            }
             self.world_line(format!("goal goal{index}: {predicate}"));
         }
         if self.draw.chance(35) {

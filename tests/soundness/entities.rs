@@ -15,7 +15,10 @@ impl Generator<'_> {
         } else if self.draw.chance(90) {
             let shape = self.shape();
             let guard = match self.palette.shapes && self.draw.chance(40) {
-                true => format!(" when {}", self.guard()),
+                true => {
+                    let guard = self.guard();
+                    format!(" when {}", self.maybe_named(guard))
+                }
                 false => String::new(),
             };
             let more = self.draw.one(&["", "", "", "", ", \"thin ice\"", ", cloud"]);
@@ -35,6 +38,7 @@ impl Generator<'_> {
         self.may = May::State;
         if self.draw.chance(20) {
             let invariant = self.guard();
+            let invariant = self.maybe_named(invariant);
             self.line(format!("invariant {invariant}"));
         }
         self.may = May::All;
@@ -247,7 +251,13 @@ impl Generator<'_> {
             5
         }) {
             self.may = May::All;
-            let guard = if self.draw.chance(25) { format!(" when {}", self.guard()) } else { String::new() };
+            let guard = match self.draw.chance(25) {
+                true => {
+                    let guard = self.guard();
+                    format!(" when {}", self.maybe_named(guard))
+                }
+                false => String::new(),
+            };
             let updates = if self.draw.chance(30) { self.updates(None, 2) } else { String::new() };
             self.line(format!("follow links{guard} {updates}"));
         }
@@ -318,6 +328,11 @@ impl Generator<'_> {
         let updates = self.updates(named, 3);
         let does_something = !target.is_empty() || !updates.is_empty();
         if does_something {
+            let nameable = guard.strip_prefix("when ").filter(|guard| !guard.contains(" as "));
+            let guard = match nameable {
+                Some(nameable) => format!("when {}", self.maybe_named(nameable.to_string())),
+                None => guard.to_string(),
+            };
             self.line(format!("{guard}{target} {updates}"));
         }
         does_something

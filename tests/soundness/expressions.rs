@@ -192,6 +192,24 @@ impl Generator<'_> {
         out
     }
 
+    /// A guard, or the name of a condition that is declared before the statement. Every fifth guard has a name, so that
+    /// all other choices are the same as without.
+    pub fn maybe_named(&mut self, guard: String) -> String {
+        self.nameable += 1;
+        if !self.nameable.is_multiple_of(5) {
+            return guard;
+        }
+        let name = format!("fits{}", self.nameable);
+        // The second of two names for one guard uses the first.
+        if self.nameable.is_multiple_of(2) {
+            self.line(format!("condition {name}_part = {guard}"));
+            self.line(format!("condition {name} = {name}_part"));
+        } else {
+            self.line(format!("condition {name} = {guard}"));
+        }
+        name
+    }
+
     pub fn any_guard(&mut self) -> String {
         if self.depth <= 3 && self.draw.chance(if self.palette.nodes { 30 } else { 8 }) {
             let a = self.guard();

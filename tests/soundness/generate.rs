@@ -60,6 +60,8 @@ pub struct Generator<'c> {
     /// What the current expression can read: inputs, contacts, others.
     pub may: May,
     pub depth: usize,
+    /// Number of guards and predicates that could have a name so far.
+    pub nameable: usize,
 }
 
 /// What a program may use: each world does without most of it, so that what it does use shows, and much can be proven
@@ -193,6 +195,7 @@ pub fn program(choices: &[u16], frame: Frame) -> String {
         mode: String::new(),
         may: May::All,
         depth: 0,
+        nameable: 0,
     };
     let world = match situation {
         Some(situation) => g.stage(situation),

@@ -217,6 +217,9 @@ fn simpler(line: &str) -> Vec<String> {
     if let Some(start) = line.find(" -> ").filter(|_| is_edge) {
         add(start, line.len(), if line.ends_with('{') { " {" } else { "" });
     }
+    if let Some(start) = line.find(" = ").filter(|_| line.starts_with("condition ")) {
+        add(start + 3, line.len(), "true");
+    }
     if line.starts_with("when ") {
         let to = line.find(" -> ").or_else(|| line.find(" {")).unwrap_or(line.len());
         if &line[5..to] != "true" {

@@ -21,6 +21,7 @@
 (set_domain (identifier) @constant)
 (dimension_factor (identifier) @type.builtin)
 (tiles name: (identifier) @module)
+(condition name: (identifier) @label)
 (goal name: (identifier) @label)
 (never name: (identifier) @label)
 
@@ -76,7 +77,7 @@
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
   "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
-  "goal" "never" "map" "place" "link" "rect" "bounds" "int"
+  "condition" "goal" "never" "map" "place" "link" "rect" "bounds" "int"
 ] @keyword
 (bool_domain) @keyword
 [

@@ -62,6 +62,7 @@ syn keyword hypedMember group mode nextgroup=hypedLabel skipwhite contained
 syn match hypedLabel /\K\k*/ contained
 syn match hypedModifier /\<initial\>\ze\s\+\%(mode\|when\)\>/ contained
 syn match hypedModifier /\<always\>\ze\s*\%({\|\/\/\|$\)/ contained
+syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=condition\>\ze\s\+\K\k*\s*==\@!/ contained nextgroup=hypedLabel skipwhite
 syn match hypedFollow /\<follow\s\+links\>\%(\s*\%('\|:\?=\)\)\@!/ contained
 
 " The driven variable precedes `by`; it can have any name.
@@ -91,6 +92,7 @@ syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=step\>\%(\s*\%([=:.,)*/+<>]\|$\)\)
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=limit\>\ze\s\+\K\k*\s\+[[:keyword:](]/ contained nextgroup=hypedType skipwhite
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=player\>\ze\s\+\d/ contained
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=\%(goal\|never\)\>\ze\s\+\K\k*\s*:=\@!/ contained nextgroup=hypedLabel skipwhite
+syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=condition\>\ze\s\+\K\k*\s*==\@!/ contained nextgroup=hypedLabel skipwhite
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=tiles\>\ze\s\+\K/ contained nextgroup=hypedTileSet skipwhite
 syn match hypedTileSet /\K\k*/ contained nextgroup=hypedWidth skipwhite
 syn match hypedWidth /\K\k*\ze\s\+x\s/ contained

@@ -26,7 +26,7 @@ const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|
 const FREE = r`(?!touching\b)${TAG}`;
 const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
-const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|goal|never)\b`;
+const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|condition|goal|never)\b`;
 
 // ---- parts of rules --------------------------------------------------------------------------------------------------
 
@@ -100,6 +100,7 @@ const repository = {
       between(r`(?:\b(kinematic)\s+)?\b(collider)\b`, ['storage.modifier', 'storage.type'], r`(:)|(?=[;{}])`, ['punctuation.separator'], use('tags'), 'meta.tags'),
       groups(r`\b(group)\s+(${NAME})`, 'storage.type', 'entity.name.namespace'),
       groups(r`\b(mode)\s+(${NAME})`, 'storage.type', 'entity.name.label'),
+      groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),
       groups(r`\b(initial)(?=\s+(?:mode|when)\b)`, 'storage.modifier'),
       groups(r`\b(always)(?=\s*(?:\{|//|$))`, 'storage.type'),
       groups(r`\b(param|continuous|discrete|ref|group|mode|kinematic)\b`, 'storage.type'),
@@ -168,6 +169,7 @@ const repository = {
       groups(r`${START}(limit)\s+(${NAME})(?=\s+[\p{L}\d_(])`, 'keyword.control', 'entity.name.type'),
       groups(r`${START}(player)(?=\s+\d)`, 'keyword.control'),
       groups(r`${START}(goal|never)\s+(${NAME})\s*(:)(?!=)`, 'storage.type', 'entity.name.label', 'punctuation.separator'),
+      groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),
       block(...use('world-items')),
       ...use('expression'),
     ],

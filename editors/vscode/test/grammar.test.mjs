@@ -111,6 +111,16 @@ test('words that mean something elsewhere are names', () => {
   ]);
 });
 
+test('conditions have names', () => {
+  looks('entity A {\n    condition condition = condition_ > 3\n    condition = 3\n    mode m { condition warm = x == 2 }\n}\nworld W {\n    condition up = a.x > 3\n    goal g: up\n}', [
+    ['condition', 'storage.type'], ['condition', 'entity.name.label'], ['=', 'keyword.operator.assignment'],
+    ['condition_', 'variable.other'], ['condition', 'variable.other'],
+    ['condition', 'storage.type'], ['warm', 'entity.name.label'], ['x', 'variable.other'],
+    ['condition', 'storage.type'], ['up', 'entity.name.label'], ['a', 'variable.other'],
+    ['goal', 'storage.type'], ['g', 'entity.name.label'], ['up', 'variable.other'],
+  ]);
+});
+
 test('words where they mean something', () => {
   looks("entity A {\n    initial when level > 2 mode m {\n        follow links when horizontal > 0 { doors := 1 }\n        when lost(prey) -> a.b { prey := spawn Key(x = 1); destroy self }\n    }\n}", [
     ['initial', 'storage.modifier'], ['when', 'keyword.control'], ['level', 'variable.other'], ['mode', 'storage.type'],

@@ -119,9 +119,11 @@ impl Site {
                 let truth = self.truth(judge, &atoms, *id);
                 if holds { !truth.can_fail } else { !truth.can_hold }
             };
+            // The expression of a condition is elsewhere, and may be decided otherwise in its other uses.
+            let is_written_here = |id: &ExprId| program.spans.exprs[part].contains(program.spans.exprs[*id]);
             match [a, b].into_iter().find(decides) {
-                Some(next) => part = next,
-                None => break,
+                Some(next) if is_written_here(&next) => part = next,
+                _ => break,
             }
         }
         let reads = Reads::of(program, part);

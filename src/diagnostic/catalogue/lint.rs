@@ -19,7 +19,7 @@ pub struct Unused {
 impl Fact for Unused {
     fn into_diagnostic(self) -> Diagnostic {
         let Unused { kind, name, at, written } = self;
-        let verb = if kind == "behavior" { "uses" } else { "reads" };
+        let verb = if matches!(kind, "behavior" | "condition") { "uses" } else { "reads" };
         let d = Diagnostic::new(Code::Unused, format!("nothing {verb} the {kind} `{name}`"));
         match written {
             Some(written) => d.at(at, "declared here").and(written, "written, but never read"),

@@ -156,3 +156,20 @@ impl Fact for BehaviorCycle {
             .help("move what both need into a third behaviour")
     }
 }
+
+/// Conditions that use each other.
+pub struct ConditionCycle {
+    /// The use that closes the cycle.
+    pub at: Span,
+    /// The conditions on the cycle, the first also at the end.
+    pub names: Vec<String>,
+}
+
+impl Fact for ConditionCycle {
+    fn into_diagnostic(self) -> Diagnostic {
+        let chain: Vec<String> = self.names.iter().map(|n| format!("`{n}`")).collect();
+        Diagnostic::new(Code::ConditionCycle, format!("conditions use each other: {}", chain.join(" → ")))
+            .at(self.at, "this use closes the cycle")
+            .help("a condition stands for its expression: write out what is meant here")
+    }
+}

@@ -127,7 +127,7 @@ impl Fact for ExpressionTooLong {
                     if self.unread {
                         "one operator too many"
                     } else {
-                        "too long with its constants or arguments put in place"
+                        "too long with its constants, conditions or arguments put in place"
                     },
                 )
                 .help("name parts of it with `const` or `param`");

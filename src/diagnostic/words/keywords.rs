@@ -102,6 +102,11 @@ pub const MEANINGS: &[Meaning] = &[
          nothing.",
         "invariant 0 <= y <= 160",
     ),
+    means(
+        "condition",
+        "A name for a guard, in an entity, a mode or a world. Wherever it is used, its expression is meant.",
+        "condition on_floor = touching(body, wall, below)",
+    ),
     means("use", "Puts a behavior in place, with all of its parameters by name.", "use Falls(pull = 400)"),
     // Modes and edges.
     means(

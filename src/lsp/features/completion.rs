@@ -252,6 +252,7 @@ impl CompletionCollector<'_> {
                     self.words(&["hold", "to"]);
                 }
             }
+            ("condition", "condition") if cursor.statement.len() == 1 => {}
             // The author chooses a new name.
             ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
             | ("button" | "axis" | "const" | "goal" | "never" | "tiles" | "space" | "place" | "player" | "as", _) => {}
@@ -325,15 +326,20 @@ impl CompletionCollector<'_> {
         } else if let Some(entity) = own {
             self.members(entity);
             self.refs(Some(entity));
+            let modes = cursor.blocks.iter().filter(|open| open.block == Block::Mode);
+            let modes: Vec<&str> = modes.map(|open| open.name).collect();
+            self.conditions(&entity.conditions, Some(entity), &modes);
             entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
         }
         if let Some(from) = cursor.enclosing(Block::Behavior).map(|b| b.start) {
-            let kinds = [NameKind::Argument, NameKind::Parameter, NameKind::Variable, NameKind::Discrete];
+            use NameKind::{Argument, Condition, Discrete, Parameter, Variable};
+            let kinds = [Argument, Parameter, Variable, Discrete, Condition];
             self.declared_after(from, &kinds);
         }
         self.names_of_kind(NameKind::Constant);
         if in_world {
             self.instances(world);
+            world.into_iter().for_each(|world| self.conditions(&world.conditions, None, &[]));
             self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside"));
             self.words(&["any", "in", "touching", "and", "or", "not", "true", "false"]);
         } else if is_fixed {

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use crate::diagnostic::words::SIGNATURES;
-use crate::sema::checked::{Checked, Entity, World};
+use crate::sema::checked::{Checked, Condition, Entity, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
@@ -19,7 +19,7 @@ pub(in crate::lsp) enum CompletionKind {
     Mode,
     /// A function of the language, a goal or a `never`.
     Function,
-    /// A continuous or discrete variable, or a reference.
+    /// A continuous or discrete variable, a condition, or a reference.
     Variable,
     /// An instance, or the name of a touched one.
     Instance,
@@ -172,6 +172,16 @@ impl<'a> CompletionCollector<'a> {
         }
     }
 
+    /// Adds the conditions of an entity that are visible in some modes, or those of a world.
+    pub fn conditions(&mut self, of: &[Condition], entity: Option<&Entity>, modes: &[&str]) {
+        for condition in of {
+            let mode = condition.mode.and_then(|mode| entity?.modes.get(mode));
+            if mode.is_none_or(|mode| modes.contains(&&*mode.name.text)) {
+                self.add(0, &condition.name.text, CompletionKind::Variable, "condition");
+            }
+        }
+    }
+
     /// Adds the variables and parameters of an entity: the members that other entities can read.
     pub fn members(&mut self, entity: &Entity) {
         entity.vars.iter().for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
@@ -242,7 +252,7 @@ fn kind_of(kind: NameKind) -> CompletionKind {
         NameKind::World | NameKind::Space => CompletionKind::Space,
         NameKind::Group | NameKind::TileSet => CompletionKind::Group,
         NameKind::Mode => CompletionKind::Mode,
-        NameKind::Variable | NameKind::Discrete | NameKind::Reference => CompletionKind::Variable,
+        NameKind::Variable | NameKind::Discrete | NameKind::Condition | NameKind::Reference => CompletionKind::Variable,
         NameKind::Value | NameKind::Tag => CompletionKind::Value,
         NameKind::Touched | NameKind::Instance => CompletionKind::Instance,
         NameKind::Button | NameKind::Axis => CompletionKind::Input,

@@ -9,7 +9,7 @@ use crate::diagnostic::page::{Page, Part};
 use crate::diagnostic::words::{Meaning, SIGNATURES, Signature, meaning};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::ir::EntityId;
-use crate::sema::checked::{Checked, Entity, Type};
+use crate::sema::checked::{Checked, Condition, Entity, Type};
 use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
@@ -138,6 +138,7 @@ pub(super) fn kind_label(kind: NameKind) -> &'static str {
         NameKind::Parameter => "parameter",
         NameKind::Variable => "continuous variable",
         NameKind::Discrete => "discrete variable",
+        NameKind::Condition => "condition",
         NameKind::Value => "value of a discrete variable",
         NameKind::Reference => "reference",
         NameKind::Touched => "what is touched",
@@ -164,6 +165,7 @@ pub(super) fn owners<'c>(
         NameKind::Parameter => e.params.iter().any(|p| is_it(p.name.span)),
         NameKind::Variable => e.vars.iter().any(|v| v.name.text == name && is_it(v.name.span)),
         NameKind::Discrete => e.discretes.iter().any(|d| is_it(d.name.span)),
+        NameKind::Condition => e.conditions.iter().any(|c| is_it(c.name.span)),
         NameKind::Reference => e.refs.iter().any(|r| is_it(r.name.span)),
         NameKind::Button => e.buttons.iter().any(|b| is_it(b.span)),
         NameKind::Axis => e.axes.iter().any(|a| is_it(a.span)),
@@ -189,7 +191,8 @@ impl NameHover<'_> {
         let mut parts = Vec::new();
         let is_own = self.snapshot.ide.compilation.sources.slice(self.o.declared) == name;
         if is_own && self.o.kind != NameKind::Tag {
-            parts.push(format!("```hyped\n{}\n```", self.snapshot.line(self.o.declared)));
+            let declaration = self.condition().unwrap_or_else(|| self.snapshot.line(self.o.declared));
+            parts.push(format!("```hyped\n{declaration}\n```"));
         }
         let mut what = kind_label(self.o.kind).to_string();
         let names: Vec<String> = owners.iter().take(3).map(|(_, e)| format!("`{}`", e.name.text)).collect();
@@ -217,6 +220,17 @@ impl NameHover<'_> {
         }
         parts.retain(|part| !part.is_empty());
         parts.join("\n\n")
+    }
+
+    /// The declaration of a condition, which may take several lines.
+    fn condition(&self) -> Option<String> {
+        let (checked, sources) = (&self.snapshot.ide.checked, &self.snapshot.ide.compilation.sources);
+        let all = checked.entities.iter().flat_map(|e| &e.conditions);
+        let mut all = all.chain(checked.worlds.iter().flat_map(|w| &w.conditions));
+        let is_it = |c: &&Condition| sources.trace(c.name.span).0 == self.o.declared;
+        let value = all.find(is_it).filter(|_| self.o.kind == NameKind::Condition)?.value.span;
+        let lines = sources.slice(self.o.declared.to(sources.trace(value).0)).lines();
+        Some(format!("condition {}", lines.map(str::trim).collect::<Vec<_>>().join("\n    ")))
     }
 
     /// Number of primes after the name, at most 2.

@@ -248,6 +248,7 @@ impl Outline<'_> {
                 Member::Reference(r) => {
                     out.push(leaf(&r.name, SymbolKind::Name(NameKind::Reference), r.entity.span, "ref"))
                 }
+                Member::Condition(c) => out.push(self.condition(c)),
                 Member::Buttons(list) => {
                     out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Name(NameKind::Button), n.span, "button")));
                 }
@@ -294,6 +295,11 @@ impl Outline<'_> {
         out
     }
 
+    fn condition(&self, c: &ast::Condition) -> Symbol {
+        let kind = SymbolKind::Name(NameKind::Condition);
+        self.symbol(&c.name, kind, c.name.span.to(c.value.span), Some("condition"), Vec::new())
+    }
+
     fn world_item(&self, item: &WorldItem) -> Option<Symbol> {
         Some(match item {
             WorldItem::Tiles(t) => {
@@ -303,6 +309,7 @@ impl Outline<'_> {
                 let inside = s.items.iter().filter_map(|i| self.space_item(i)).collect();
                 self.symbol(&s.name, SymbolKind::Name(NameKind::Space), s.span, Some("space"), inside)
             }
+            WorldItem::Condition(c) => self.condition(c),
             WorldItem::Goal(q) | WorldItem::Never(q) => {
                 let is_goal = matches!(item, WorldItem::Goal(_));
                 let (kind, detail) = if is_goal { (NameKind::Goal, "goal") } else { (NameKind::Never, "never") };

@@ -24,7 +24,7 @@ pub(super) fn of_name(kind: NameKind) -> SymbolKind {
         NameKind::Reference => SymbolKind::Field,
         NameKind::Button | NameKind::Axis => SymbolKind::Event,
         NameKind::Instance => SymbolKind::Object,
-        NameKind::Goal | NameKind::Never => SymbolKind::Boolean,
+        NameKind::Condition | NameKind::Goal | NameKind::Never => SymbolKind::Boolean,
     }
 }
 

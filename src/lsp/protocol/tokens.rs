@@ -94,7 +94,7 @@ fn type_of_name(kind: NameKind) -> &'static str {
         NameKind::Button | NameKind::Axis => "event",
         NameKind::Tag => "label",
         NameKind::TileSet => "type",
-        NameKind::Goal | NameKind::Never => "function",
+        NameKind::Condition | NameKind::Goal | NameKind::Never => "function",
     }
 }
 

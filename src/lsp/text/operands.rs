@@ -86,7 +86,8 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
         }
         ("else", _) => &[],
         ("when" | "and" | "or", _) if has("->") => &[],
-        ("when" | "and" | "or" | "while" | "invariant" | "collider" | "kinematic" | "follow" | "initial", _) => joined,
+        ("when" | "and" | "or" | "while" | "invariant" | "condition", _) => joined,
+        ("collider" | "kinematic" | "follow" | "initial", _) => joined,
         _ => &[],
     }
 }

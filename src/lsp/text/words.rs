@@ -27,6 +27,7 @@ const fn snippet(label: &'static str, text: &'static str, detail: &'static str) 
 
 const WHEN: Snippet = snippet("when …", "when ${1:guard} -> ${2:mode}", "an edge to another mode");
 const MODE: Snippet = snippet("mode …", "mode ${1:name} {\n    $0\n}", "a mode");
+const CONDITION: Snippet = snippet("condition …", "condition ${1:name} = ${2:guard}", "a name for a guard");
 const ENVELOPE: Snippet = snippet(
     "envelope …",
     "envelope ${1:x'} by ${2:axis} {\n    attack accel ${3:400}\n    sustain ${4:100}\n    release accel ${5:400}\n}",
@@ -45,6 +46,7 @@ const IN_ENTITIES: &[&str] = &[
     "kinematic",
     "clamp",
     "invariant",
+    "condition",
     "group",
     "mode",
     "initial",
@@ -52,7 +54,8 @@ const IN_ENTITIES: &[&str] = &[
     "envelope",
     "use",
 ];
-const IN_MODES: &[&str] = &["mode", "initial", "when", "else", "envelope", "follow", "spawn", "destroy", "use"];
+const IN_MODES: &[&str] =
+    &["mode", "initial", "condition", "when", "else", "envelope", "follow", "spawn", "destroy", "use"];
 
 /// The keywords and snippets that can start a statement in a block, or at the top level.
 pub(in crate::lsp) fn statement_starts(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {
@@ -85,6 +88,7 @@ const MEMBERS: &[Snippet] = &[
     snippet("always …", "always {\n    when ${1:guard} { $0 }\n}", "edges whatever modes are active"),
     snippet("group …", "group ${1:name} {\n    $0\n}", "modes that run beside others"),
     snippet("collider …", "collider ${1:body}: rect(${2:0, 0, 16, 16})", "a shape with tags"),
+    CONDITION,
     snippet("discrete …", "discrete ${1:name}: int ${2:0}..${3:9} = ${4:0}", "a whole number"),
 ];
 

@@ -4,5 +4,6 @@
 (group "group" @context name: (identifier) @name) @item
 (mode "mode" @context name: (identifier) @name) @item
 (space "space" @context name: (identifier) @name) @item
+(condition "condition" @context name: (identifier) @name) @item
 (goal "goal" @context name: (identifier) @name) @item
 (never "never" @context name: (identifier) @name) @item

@@ -1,6 +1,6 @@
 //! The slots of a world: placed instances, instances made by tiles, and free slots of a `limit`.
 
-use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, VarId};
+use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, Subject, VarId};
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::syntax::ast::{self, Name, Word, WorldItem};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
-use super::checked::{Action, Instance, World};
+use super::checked::{Action, Instance, Term, TermKind, World};
 use super::constant::ConstantContext;
 use super::expression::Scope;
 use super::names::{Table, unknown};
@@ -162,8 +162,13 @@ impl Checker<'_> {
         }
     }
 
-    /// Makes the free slots of `limit` lines; every entity that is spawned must have one.
-    pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) {
+    /// Checks the `limit` lines and makes their free slots; every entity that is spawned must have a limit.
+    ///
+    /// The slot of a placed instance is never reused, since goals and references of the world name it. What is
+    /// destroyed leaves room for another one all the same, so such instances do not take a free slot away.
+    pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) -> Vec<(EntityId, u32)> {
+        let mut known = Vec::new();
+        let destructible = self.destructible();
         let mut limits: BTreeMap<EntityId, Span> = BTreeMap::new();
         for item in &syntax.items {
             let WorldItem::Limit(limit) = item else { continue };
@@ -200,13 +205,39 @@ impl Checker<'_> {
             }
             // Without a space nothing can spawn or exist.
             let has_space = syntax.items.iter().any(|item| matches!(item, WorldItem::Space(_)));
-            for _ in (living..count as usize).filter(|_| has_space) {
+            known.push((entity, count as u32));
+            let stays = |i: &&Instance| i.entity == entity && (i.origin != Origin::Named || !destructible[entity]);
+            let taken = population.instances.iter().filter(stays).count();
+            for _ in (taken..count as usize).filter(|_| has_space) {
                 let name = self.unnamed(population, entity, limit.span);
                 let made = self.free_instance(entity, name, limit.span);
                 self.populate(population, made);
             }
         }
         self.spawned_entities(syntax, &limits, population);
+        known
+    }
+
+    /// For each entity, whether anything may destroy an instance of it.
+    fn destructible(&self) -> IdVec<EntityId, bool> {
+        let entities = &self.checked.entities;
+        let mut found: IdVec<EntityId, bool> = entities.iter().map(|_| false).collect();
+        for (id, entity) in entities.pairs() {
+            for action in entity.actions() {
+                let Action::Destroy(Term { kind: TermKind::Instance(subject), .. }) = action else { continue };
+                let of = match subject {
+                    Subject::Me => Some(id),
+                    Subject::Ref(reference) => entity.refs[*reference].entity,
+                    Subject::Slot(_) | Subject::Touched(_) => None,
+                };
+                match of {
+                    Some(entity) => found[entity] = true,
+                    // It may have any entity.
+                    None => return entities.iter().map(|_| true).collect(),
+                }
+            }
+        }
+        found
     }
 
     /// Checks that every entity that can be spawned in the world has a limit.
@@ -220,9 +251,7 @@ impl Checker<'_> {
             }
             living.push(entity);
             let e = &self.checked.entities[entity];
-            let actions = e.edges.iter().flat_map(|edge| &edge.actions);
-            let entries = e.modes.iter().flat_map(|m| m.entry.iter().chain(m.follows.iter().flat_map(|f| &f.actions)));
-            for action in actions.chain(entries) {
+            for action in e.actions() {
                 let Action::Spawn(spawn) = action else { continue };
                 next.push(spawn.entity);
                 let known = limits.contains_key(&spawn.entity);

@@ -40,6 +40,7 @@ impl Checker<'_> {
             collide: Vec::new(),
             spaces: IdVec::new(),
             instances: IdVec::new(),
+            limits: Vec::new(),
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
@@ -107,7 +108,7 @@ impl Checker<'_> {
             let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
-        self.limits(syntax, &mut population);
+        world.limits = self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;
         let names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);

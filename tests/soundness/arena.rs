@@ -147,7 +147,8 @@ impl Generator<'_> {
     pub fn limits(&mut self) -> String {
         let mut out = String::new();
         for (index, plan) in self.plans.iter().enumerate() {
-            let free = [1, 2, 3][self.draw.pick(3)];
+            // Without any, only what is destroyed leaves room.
+            let free = self.draw.pick(4);
             if plan.is_spawned || self.draw.chance(5) {
                 // One can be placed by a tile of each map.
                 let tiles = if index == 0 { 2 + usize::from(self.arena.has_boss) } else { 0 };

@@ -64,6 +64,8 @@ pub const MAX_TILE_KINDS: usize = 4_096;
 pub struct Level {
     /// The file.
     pub map: Option<FileId>,
+    /// Whether there is a file that could not be read.
+    pub is_unread: bool,
     /// The level of a project of LDtk.
     pub part: Option<String>,
     /// A legend for characters that the program does not define.
@@ -155,6 +157,10 @@ struct Checker<'a> {
     tags: std::collections::BTreeMap<ast::Word, TagId>,
     /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<String>,
+    /// The open map of the world that is checked, if no level is given.
+    awaited: Option<Span>,
+    /// Names that may be instances of the level that is not given.
+    awaited_names: Vec<crate::diagnostic::catalogue::names::UnknownName>,
     /// The instances that worlds place, with their entities.
     placed: std::collections::BTreeMap<ast::Word, ast::Word>,
     /// The facts at the current expression.
@@ -187,6 +193,8 @@ impl<'a> Checker<'a> {
             sets: IdVec::new(),
             set_ids: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
+            awaited: None,
+            awaited_names: Vec::new(),
             poisoned_names: files.iter().flat_map(|f| f.poisoned_names.iter().cloned()).collect(),
         }
     }

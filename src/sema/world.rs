@@ -4,7 +4,7 @@ use crate::ir::{Arithmetic, IdVec, Origin, Push, Response, SpaceId, TagId};
 
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
-use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
+use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile, MissingLevel};
 use crate::level::{InlineTile, MAX_LENGTH};
 use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
@@ -135,7 +135,28 @@ impl Checker<'_> {
                 }
             }
         }
+        self.awaited_instances(&world);
         self.checked.worlds.push(world);
+    }
+
+    /// Reports the names that only a level can explain, once for the world.
+    fn awaited_instances(&mut self, world: &World) {
+        let mut names = std::mem::take(&mut self.awaited_names);
+        let Some(map) = self.awaited.take() else { return };
+        names.sort_by_key(|name| name.at);
+        // A level that cannot be read is already reported.
+        let Some(first) = names.first().filter(|_| !self.level.is_unread) else { return };
+        let mut all: Vec<String> = names.iter().map(|name| name.name.clone()).collect();
+        let mut seen = std::collections::BTreeSet::new();
+        all.retain(|name| seen.insert(name.clone()));
+        let near = names.iter().find_map(|of| Some((of.name.clone(), of.near()?.to_string())));
+        self.diagnostics.report(MissingLevel {
+            at: first.at,
+            names: all,
+            world: world.name.text.to_string(),
+            map,
+            near,
+        });
     }
 
     /// `1/60`, `0.02`, `16ms`: an exact fraction of a second.

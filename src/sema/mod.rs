@@ -157,6 +157,10 @@ struct Checker<'a> {
     tags: std::collections::BTreeMap<ast::Word, TagId>,
     /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<String>,
+    /// The step of the world that is checked, as a fraction of seconds.
+    step: (u64, u64),
+    /// The settings of each tile that spawns, by its place; none if they are wrong.
+    spawn_settings: std::collections::BTreeMap<Span, Option<std::rc::Rc<place::Settings>>>,
     /// The open map of the world that is checked, if no level is given.
     awaited: Option<Span>,
     /// Names that may be instances of the level that is not given.
@@ -193,6 +197,8 @@ impl<'a> Checker<'a> {
             sets: IdVec::new(),
             set_ids: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
+            step: (1, 60),
+            spawn_settings: std::collections::BTreeMap::new(),
             awaited: None,
             awaited_names: Vec::new(),
             poisoned_names: files.iter().flat_map(|f| f.poisoned_names.iter().cloned()).collect(),

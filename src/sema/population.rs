@@ -105,17 +105,14 @@ impl Checker<'_> {
             .collect();
         let Some(map) = &world.spaces[id].map else {
             let named = set.spawns.iter().zip(&entities);
-            let named = named.filter_map(|(spawn, entity)| Some((spawn.as_ref()?.name.as_ref()?, *entity)));
-            for (name, entity) in named {
+            let named = named.filter_map(|(spawn, entity)| Some(((*spawn)?, spawn.as_ref()?.name.as_ref()?, *entity)));
+            for (spawn, name, entity) in named {
                 let Some(entity) = entity.filter(|_| world.open == Some(id)) else {
                     self.poisoned_names.insert(name.text.to_string());
                     continue;
                 };
                 population.names.declare(name, (), &mut self.diagnostics);
-                let origin = (0.0, 0.0);
-                let step = population.step;
-                let made = self.default_instance(entity, name.clone(), Origin::Named, id, origin, step, name.span);
-                made.and_then(|instance| self.populate(population, instance));
+                self.spawned_by_tile(spawn, entity, (name.clone(), Origin::Named), (id, (0.0, 0.0)), population);
             }
             return;
         };
@@ -138,10 +135,7 @@ impl Checker<'_> {
                     None => (self.unnamed(population, entity, spawn.span), Origin::Tile),
                 };
                 let position = (column as f64 * map.tile.0, row as f64 * map.tile.1);
-                let made = self.default_instance(entity, name, origin, id, position, population.step, spawn.span);
-                if let Some(instance) = made {
-                    self.populate(population, instance);
-                }
+                self.spawned_by_tile(spawn, entity, (name, origin), (id, position), population);
             }
         }
         for (kind, spawn) in set.spawns.iter().enumerate() {
@@ -308,22 +302,32 @@ impl Checker<'_> {
         }
     }
 
-    /// An instance with default values, except its position.
-    #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
-    pub(super) fn default_instance(
+    /// An instance that a tile makes, with the tile's settings.
+    pub(super) fn spawned_by_tile(
         &mut self,
+        spawn: &ast::TileSpawn,
         entity: EntityId,
-        name: Name,
-        origin: Origin,
-        space: SpaceId,
-        position: (f64, f64),
-        step: (u64, u64),
-        span: Span,
-    ) -> Option<Instance> {
-        let e = self.checked.entities[entity].clone();
-        let mut given = super::place::Values::of(&e);
-        given.vars[VarId::X][0] = Some(position.0);
-        given.vars[VarId::Y][0] = Some(position.1);
-        self.instance_of(entity, given, name, origin, space, step, span)
+        (name, origin): (Name, Origin),
+        (space, position): (SpaceId, (f64, f64)),
+        population: &mut Population,
+    ) {
+        let settings = self.spawn_settings.get(&spawn.span).cloned().flatten();
+        let made = settings.and_then(|settings| {
+            let mut values = settings.values.clone();
+            values.vars[VarId::X][0] = Some(position.0);
+            values.vars[VarId::Y][0] = Some(position.1);
+            let step = population.step;
+            let made = self.instance_of(entity, values, name.clone(), origin, space, step, spawn.span)?;
+            Some((Instance { given: settings.given.clone(), ..made }, settings))
+        });
+        let Some((instance, settings)) = made else {
+            // Goals may still refer to it.
+            self.poisoned_names.insert(name.text.to_string());
+            return;
+        };
+        if let Some(slot) = self.populate(population, instance) {
+            let named = settings.references.iter();
+            population.references.extend(named.map(|(reference, name)| (slot, *reference, name.clone())));
+        }
     }
 }

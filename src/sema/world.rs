@@ -2,6 +2,8 @@
 
 use crate::ir::{Arithmetic, IdVec, Origin, Push, Response, SpaceId, TagId};
 
+use std::rc::Rc;
+
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
 use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile, MissingLevel};
@@ -49,16 +51,19 @@ impl Checker<'_> {
         };
         let mut steps: Table<()> = Table::new("the step");
         let mut sets: Table<TileSet<'_>> = Table::new("tile set");
+        // Settings of tiles may be numbers of steps.
+        for item in &syntax.items {
+            let WorldItem::Step(e) = item else { continue };
+            let name = Name { text: "step".into(), span: e.span };
+            if steps.declare(&name, (), &mut self.diagnostics)
+                && let Some(step) = self.step_of(e)
+            {
+                world.step = step;
+            }
+        }
+        self.step = world.step;
         for item in &syntax.items {
             match item {
-                WorldItem::Step(e) => {
-                    let name = Name { text: "step".into(), span: e.span };
-                    if steps.declare(&name, (), &mut self.diagnostics)
-                        && let Some(step) = self.step(e)
-                    {
-                        world.step = step;
-                    }
-                }
                 WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets, &mut world.lengths),
                 WorldItem::Collide(line) => world.collide.extend(self.collide(line)),
                 _ => {}
@@ -160,7 +165,7 @@ impl Checker<'_> {
     }
 
     /// `1/60`, `0.02`, `16ms`: an exact fraction of a second.
-    fn step(&mut self, e: &Expr) -> Option<(u64, u64)> {
+    fn step_of(&mut self, e: &Expr) -> Option<(u64, u64)> {
         let term = self.number(e, &Scope::constant())?;
         let (numerator, denominator) = match &term.kind {
             TermKind::Arithmetic(Arithmetic::Divide, sides) => {
@@ -269,10 +274,13 @@ impl Checker<'_> {
         }
     }
 
-    /// Records the names in a tile besides its tags.
+    /// Checks what a tile spawns, but for the name of an unknown entity.
     pub(super) fn tile_spawn(&mut self, spawn: Option<&ast::TileSpawn>) {
         let Some(spawn) = spawn else { return };
-        self.entity_named(&spawn.entity);
+        if let Some(entity) = self.entity_named(&spawn.entity) {
+            let settings = self.settings(entity, &spawn.settings, spawn.span, self.step);
+            self.spawn_settings.insert(spawn.span, settings.map(Rc::new));
+        }
         if let Some(name) = &spawn.name {
             self.record_declaration(NameKind::Instance, name);
         }

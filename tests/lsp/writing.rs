@@ -66,6 +66,33 @@ fn completion_knows_the_place() {
 }
 
 #[test]
+fn completion_knows_the_settings_of_tiles() {
+    let text = "entity Pac { }
+entity Ghost { param speed = 1; ref pac: Pac; discrete mood: {calm, angry} = calm }
+world W {
+    tiles t 1 x 1 { '.': empty; 'P': spawn Pac as pac; 'G': spawn Ghost as blinky { speed = 2 } }
+    space r {
+        map t \"
+            P.G
+        \"
+    }
+    space s { map tiled \"a.tmx\" { blob: spawn Ghost { mood = calm } } }
+}
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("{ speed = 2 }", "{ speed = 2; | }"),
+        ("{ speed = 2 }", "{ pac = | }"),
+        ("{ mood = calm }", "{ | }"),
+        ("{ mood = calm }", "{ mood = | }"),
+        ("'G': spawn Ghost", "'G': spawn |"),
+    ] {
+        completed_in(&mut session, text, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn what_is_given_already_is_not_offered() {
     let text = "behavior Moves(speed, way, far) { x' = speed * way; clamp x <= far }
 behavior Other(none_of_this) { y = none_of_this }

@@ -233,6 +233,10 @@ impl Tally {
         if is_by_place {
             self.note("a player is told apart by place");
         }
+        // Only a setting gives the instance of a tile a reference.
+        if sim.world().slots.iter().any(|s| s.origin == Origin::Tile && s.refs.iter().any(|to| to.is_some())) {
+            self.note("a tile sets a reference");
+        }
         for space in sim.world().spaces.iter() {
             let boxes: Vec<[f64; 4]> =
                 space.solids.iter().map(|s| [s.bounds.left, s.bounds.right, s.bounds.bottom, s.bounds.top]).collect();
@@ -629,6 +633,7 @@ const EVENTS: &[&str] = &[
     "an instance ends",
     "a player leaves its bounds",
     "a second player",
+    "a tile sets a reference",
     "a player is told apart by place",
     "walls half a pixel apart",
     "a dash out of a room",

@@ -153,7 +153,8 @@ fn stages(
     if let (Some(format), Some(file)) = (path.and_then(Format::of), map) {
         read_dependencies(format, file, part, &mut sources, files, &mut diagnostics);
     }
-    let given = Level { map, part: part.map(str::to_string), legend, tile: level.tile };
+    let is_unread = path.is_some() && map.is_none();
+    let given = Level { map, is_unread, part: part.map(str::to_string), legend, tile: level.tile };
     let is_kept = occurrences.are_kept();
     let first = trees.first().map(|root| root.id);
     // Each stage's result of a large program is large: it is dropped as soon as it is no longer read.

@@ -496,3 +496,48 @@ fn levels_of_the_corpus_are_searched_by_a_program_of_their_legend() {
     assert!(steps.iter().all(|steps| *steps > 100), "{steps:?}");
     assert_ne!(rows[0]["program_sha256"], rows[1]["program_sha256"]);
 }
+
+#[test]
+fn the_player_may_be_in_the_levels_alone() {
+    let place = TestFolder::new("player");
+    place.write("game.hyped", &GAME.replace("        'P': spawn Walker as hero\n", ""));
+    let ground = "<layer id=\"1\" name=\"rock\" width=\"4\" height=\"2\"><data encoding=\"csv\">0,0,0,0,\n1,1,1,1</data></layer>";
+    let tiles = "<tileset firstgid=\"1\" name=\"t\" tilewidth=\"16\" tileheight=\"16\" tilecount=\"1\" columns=\"1\"/>";
+    for (name, at, flag) in [("near", 0, 32), ("far", 0, 48)] {
+        let objects = format!(
+            "<object id=\"1\" name=\"hero\" type=\"Walker\" x=\"{at}\" y=\"0\" width=\"16\" height=\"16\"/>
+             <object id=\"2\" type=\"flag\" x=\"{flag}\" y=\"0\" width=\"16\" height=\"16\"/>"
+        );
+        let map = format!(
+            "<map orientation=\"orthogonal\" width=\"4\" height=\"2\" tilewidth=\"16\" tileheight=\"16\" infinite=\"0\">
+             {tiles}{ground}<objectgroup id=\"2\" name=\"things\">{objects}</objectgroup></map>"
+        );
+        place.write(&format!("{name}.tmx"), &map);
+    }
+    place.write("broken.tmx", "<map");
+    let of = "--map broken.tmx near.tmx far.tmx --goal out --nodes 4000 --results rows.jsonl";
+    let (code, shown, error) = place.answer(of);
+    assert_eq!((code, error.contains("E0201")), (1, false), "{shown}{error}");
+    let rows = place.rows("rows.jsonl");
+    let steps: Vec<Option<u64>> = rows.iter().map(|row| row["steps"].as_u64()).collect();
+    assert!(steps[0].is_none() && rows[0]["error"].as_str().unwrap().contains("broken.tmx"), "{rows:?}");
+    assert!(steps[1].is_some() && steps[1] < steps[2], "{steps:?}");
+    // Each level by itself says the same.
+    let (code, shown, error) = place.answer("--map near.tmx --goal out --nodes 4000");
+    assert!(code == 0 && shown.contains("out"), "{shown}{error}");
+    // A bad question is refused before any level.
+    let (code, _, error) = place.answer("--map near.tmx far.tmx --goal nowhere");
+    assert!(code == 2 && error.contains("no goal `nowhere`"), "{error}");
+    // Without a level one error says what is missing.
+    let (code, _, error) = place.answer("--goal out");
+    assert!(code == 2 && error.matches("error[").count() == 1 && error.contains("error[E0602]"), "{error}");
+    let check = |options: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hypedc"));
+        let command = command.args(["check", "--format", "short", "game.hyped"]).args(options);
+        let output = command.current_dir(&place.0).output().unwrap();
+        (output.status.code().unwrap(), String::from_utf8_lossy(&output.stdout).lines().count())
+    };
+    assert_eq!(check(&[]), (1, 1));
+    assert_eq!(check(&["--map", "near.tmx"]), (0, 0));
+    assert_eq!(check(&["--map", "no/such.tmx"]), (2, 1));
+}

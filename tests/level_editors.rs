@@ -330,3 +330,76 @@ fn the_form_of_a_level_is_told_in_one_finding_each() {
         .collect();
     assert!(counts.values().all(|count| *count == 1), "{counts:?}");
 }
+
+/// Settings of a block go for what the level leaves out; all formats and kinds of maps agree.
+#[test]
+fn settings_of_a_block_are_defaults_of_the_level() {
+    let level = r#"<map orientation="orthogonal" width="4" height="2" tilewidth="16" tileheight="16" infinite="0">
+ <tileset firstgid="1" name="t" tilewidth="16" tileheight="16" tilecount="1" columns="1">
+  <tile id="0" type="cell"><properties><property name="speed" type="float" value="9"/></properties></tile>
+ </tileset>
+ <layer id="1" name="things" width="4" height="2"><data encoding="csv">0,0,0,1,
+0,0,0,0</data></layer>
+ <objectgroup id="2" name="objects">
+  <object id="1" name="one" type="mob" x="0" y="16"><properties>
+   <property name="speed" type="float" value="7"/><property name="target" type="object" value="2"/>
+  </properties><point/></object>
+  <object id="2" name="two" type="mob" x="16" y="16"><properties>
+   <property name="mood" value="calm"/>
+  </properties><point/></object>
+  <object id="3" name="three" type="mob" x="32" y="16"><properties>
+   <property name="target" value="placed"/>
+  </properties><point/></object>
+ </objectgroup>
+</map>"#;
+    let text = "entity Mob {
+    param speed = 1
+    discrete mood: {calm, angry} = calm
+    discrete lives: int 0..9 = 1
+    ref target: Mob
+    mode only { x' = if(mood == angry, speed, lives * speed); when lost(target) -> only }
+}
+world W {
+    tiles t 16 x 16 { '.': empty; 'm': spawn Mob as tile { speed = 5; y' = 2; target = placed } }
+    space main {
+        map tiled \"level.tmx\" {
+            mob: spawn Mob { speed = 3; mood = angry; lives = 2; target = placed }
+            cell: spawn Mob as cell { speed = 4; lives = 3 }
+        }
+        place placed: Mob at (0, 0)
+    }
+    space other {
+        map t \"
+            .m
+        \"
+    }
+}
+";
+    let files = [("t.hyped", text.as_bytes()), ("level.tmx", level.as_bytes())];
+    let program = program(compile(Path::new("t.hyped"), &Beside(&files)));
+    let world = &program.worlds[WorldId(0)];
+    let shown: Vec<String> = world
+        .slots
+        .iter()
+        .map(|s| {
+            let target = s.refs.iter().next().copied().flatten().map_or("none", |to| &world.slots[to].name);
+            let params: Vec<f64> = s.params.iter().copied().collect();
+            let discretes: Vec<i32> = s.discretes.iter().copied().collect();
+            format!("{}: {params:?} {discretes:?} {target} {}", s.name, s.vars[VarId(1)][1])
+        })
+        .collect();
+    let expected = [
+        "cell: [9.0] [0, 3] none 0",
+        "one: [7.0] [1, 2] two 0",
+        "two: [3.0] [0, 2] placed 0",
+        "three: [3.0] [1, 2] placed 0",
+        "placed: [1.0] [0, 1] none 0",
+        "tile: [5.0] [0, 1] placed 2",
+    ];
+    let sorted = |lines: &[String]| {
+        let mut lines = lines.to_vec();
+        lines.sort();
+        lines
+    };
+    assert_eq!(sorted(&shown), sorted(&expected.map(str::to_string)));
+}

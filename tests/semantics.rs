@@ -706,6 +706,72 @@ fn a_world_without_a_space_has_no_slots() {
     assert_eq!(p.worlds[WorldId(0)].slots.len(), 0);
 }
 
+/// A gun that makes a crate every second step, which keeps it; button `crush` destroys the placed one.
+const CRATES: &str = "
+    entity Crate { }
+    entity Gun {
+        button make, crush
+        ref old: Crate
+        ref new: Crate
+        discrete sees: bool = false
+        mode only {
+            when new is Crate and new.x == 50 { sees := true }
+            when pressed(make) { new := spawn Crate(x = 50) }
+            when pressed(crush) { destroy old }
+        }
+    }";
+
+#[test]
+fn what_was_placed_and_is_gone_leaves_room() {
+    let p = program(compile_text(&format!(
+        "{CRATES} world W {{
+             step 1/10; limit Crate 1
+             space main {{ place crate: Crate at (7, 0); place gun: Gun at (0, 0) {{ old = crate; new = crate }} }}
+             player 1: gun
+             goal gone: crate.x == 7
+             goal one: any Crate and gun.sees
+         }}"
+    )));
+    let world = &p.worlds[WorldId(0)];
+    let mut run = Run::new(&p);
+    let alive = |run: &Run<'_>, slot: &str| world.layout.slots[run.slot(slot)].alive(&run.state);
+    run.step("make -");
+    assert!(alive(&run, "crate") && !alive(&run, "Crate#1"), "one is alive, and none may be more");
+    run.step("crush+make -");
+    assert!(!alive(&run, "crate") && !alive(&run, "Crate#1"), "what is destroyed in this step still counts");
+    run.step("make - -");
+    assert!(!alive(&run, "crate") && alive(&run, "Crate#1"), "there is room, and the name stays with what is gone");
+    let questions = world.goals.iter().map(|g| run.sim.holds(&run.state, g.holds).unwrap()).collect::<Vec<_>>();
+    assert_eq!(questions, [false, true]);
+}
+
+#[test]
+fn no_more_are_alive_than_the_limit_says() {
+    let p = program(compile_text(&format!(
+        "{CRATES} world W {{
+             step 1/10; limit Crate 3
+             tiles t 16 x 16 {{ '.': empty; 'c': spawn Crate }}
+             space main {{
+                 map t \"
+                     .c
+                 \"
+                 place crate: Crate at (7, 0); place gun: Gun at (0, 0) {{ old = crate }}
+             }}
+             player 1: gun
+         }}"
+    )));
+    let world = &p.worlds[WorldId(0)];
+    let mut run = Run::new(&p);
+    let living = |run: &Run<'_>| {
+        let crates = world.slots.pairs().filter(|(_, s)| s.name.to_lowercase().starts_with("crate"));
+        crates.filter(|(id, _)| world.layout.slots[*id].alive(&run.state)).count()
+    };
+    run.step("make - make - make -");
+    assert_eq!(living(&run), 3);
+    run.step("crush - make - make -");
+    assert_eq!(living(&run), 3);
+}
+
 #[test]
 fn there_is_one_zero() {
     // A negative zero could be told from the other by the direction that it points in.

@@ -192,8 +192,9 @@ module.exports = grammar({
     ),
     tiles: $ => seq('tiles', field('name', $.identifier), $.tile_size, field('body', $.tile_block)),
     tile_size: $ => seq($._primary, 'x', $._primary),
-    tile_block: $ => block($, [], [$.tile]),
+    tile_block: $ => block($, [alias($._tile_with_settings, $.tile)], [$.tile]),
     tile: $ => seq($.tile_char, ':', choice($.tile_spawn, $.tags)),
+    _tile_with_settings: $ => seq($.tile_char, ':', $.tile_spawn, field('body', $.settings)),
     tile_char: _ => token(/'[^\r\n]'/),
     tile_spawn: $ => seq('spawn', field('entity', $.identifier), optional(seq('as', field('name', $.identifier)))),
     limit: $ => seq('limit', field('entity', $.identifier), field('count', $.expression)),
@@ -230,8 +231,13 @@ module.exports = grammar({
     // A tile set can have the same name as a kind of map.
     _map_tiles: $ => choice($.identifier, alias(choice('vglc', 'tiled', 'ldtk', 'level'), $.identifier)),
     // The meanings of characters of a level, or of names from a level editor.
-    kind_block: $ => block($, [], [$.tile, $.kind]),
+    kind_block: $ => block(
+      $,
+      [alias($._tile_with_settings, $.tile), alias($._kind_with_settings, $.kind)],
+      [$.tile, $.kind],
+    ),
     kind: $ => seq(field('name', $.tag), ':', choice($.tile_spawn, $.tags)),
+    _kind_with_settings: $ => seq(field('name', $.tag), ':', $.tile_spawn, field('body', $.settings)),
     legend: $ => seq('legend', field('path', $.text), 'tile', $.tile_size),
     map_text: $ => seq(alias($.map_start, '"'), repeat($.map_row), '"'),
     place: $ => $._placed,

@@ -47,4 +47,4 @@ pub use text::text;
 pub use tile_map::{TileKind, TileMap};
 pub use transition::Transition;
 pub use verify::{Invalid, verify};
-pub use world_tables::{Bounds, Collide, Link, Meeting, Player, Predicate, Slot, Solid, Space, Step, World};
+pub use world_tables::{Bounds, Collide, Limit, Link, Meeting, Player, Predicate, Slot, Solid, Space, Step, World};

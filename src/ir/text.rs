@@ -461,6 +461,9 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
             at.vars, at.discretes, at.timers, at.leaves, at.space, at.alive, at.touches
         )?;
     }
+    for limit in &w.limits {
+        writeln!(out, "  at most {} {}", limit.count, p.entities[limit.entity].name)?;
+    }
     for (id, goal) in w.goals.pairs() {
         writeln!(out, "  {id} {}: {}", goal.name, world_expression(p, w, goal.holds))?;
     }

@@ -26,6 +26,9 @@ pub struct World {
     pub players: IdVec<PlayerId, Player>,
     /// Which colliders meet, and what a contact does.
     pub collide: Vec<Collide>,
+    /// How many instances may be alive at once; an entity without an entry has no limit but its slots.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<Limit>,
     /// What is looked for.
     pub goals: IdVec<GoalId, Predicate>,
     /// What must not happen.
@@ -34,6 +37,16 @@ pub struct World {
     pub open: Option<SpaceId>,
     /// Where everything is in a state.
     pub layout: Layout,
+}
+
+/// At most `count` instances of an entity are alive at once, whatever the origin of their slots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Limit {
+    /// The entity.
+    pub entity: EntityId,
+    /// How many: a spawn is refused if as many are alive.
+    pub count: u32,
 }
 
 /// The length of a step as a fraction in lowest terms, s.

@@ -4,6 +4,7 @@
 //! syntactic; findings from the values of variables over time belong to `analysis`.
 
 mod border;
+mod bound;
 mod guard;
 mod modes;
 mod range;
@@ -27,6 +28,7 @@ pub fn lint(checked: &Checked, root: FileId) -> Diagnostics {
     unused::unused(checked, root, &mut found);
     let explained = world::tags(checked, root, &mut found);
     world::level_names(checked, &explained, &mut found);
+    bound::bound(checked, root, &mut found);
     world::touches(checked, &mut found);
     world::players(checked, &mut found);
     world::places(checked, &mut found);

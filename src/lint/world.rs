@@ -77,7 +77,7 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
     // `touching(wall, bottom)` is read as a question about two tags.
     let last = last_tags(checked);
     let requested = requested(checked);
-    let root = checked.worlds.iter().next().map_or(root, |w| w.name.span.file());
+    let root = root_of(checked, root);
     for &tag in requested.difference(&carried) {
         let name = &checked.tags[tag];
         if checked.other_tags.contains(name.text.as_str()) {
@@ -108,8 +108,13 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
     named
 }
 
+/// The file whose own words are judged: that of the first world.
+pub(super) fn root_of(checked: &Checked, root: FileId) -> FileId {
+    checked.worlds.iter().next().map_or(root, |w| w.name.span.file())
+}
+
 /// The tags of an entity's colliders, in the order of the text.
-fn tags_of(checked: &Checked, entity: &Entity) -> Vec<String> {
+pub(super) fn tags_of(checked: &Checked, entity: &Entity) -> Vec<String> {
     let mut tags: Vec<String> = Vec::new();
     for tag in entity.colliders.iter().flat_map(|collider| &collider.tags) {
         let tag = checked.tags[*tag].text.to_string();
@@ -146,7 +151,7 @@ pub(super) fn level_names(checked: &Checked, explained: &BTreeSet<String>, found
 }
 
 /// The sets of tags of the static geometry of a space.
-fn statics(space: &Space) -> Vec<Vec<TagId>> {
+pub(super) fn statics(space: &Space) -> Vec<Vec<TagId>> {
     let tiles = space.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.to_vec());
     tiles.chain(space.solids.iter().map(|s| s.tags.clone())).collect()
 }

@@ -237,6 +237,12 @@ pub struct Entity {
 }
 
 impl Entity {
+    /// All that edges, entries of modes and `follow links` do.
+    pub fn actions(&self) -> impl Iterator<Item = &Action> {
+        let entries = self.modes.iter().flat_map(|m| m.entry.iter().chain(m.follows.iter().flat_map(|f| &f.actions)));
+        self.edges.iter().flat_map(|edge| &edge.actions).chain(entries)
+    }
+
     /// The mode among siblings that is entered if no `initial when` chooses one: the one marked `initial`, else the first
     /// that is entered without a condition, else the first.
     pub fn default_mode(&self, siblings: &[ModeId]) -> Option<ModeId> {

@@ -25,6 +25,8 @@ pub struct World {
     pub spaces: IdVec<SpaceId, Space>,
     /// Its placed instances.
     pub instances: IdVec<SlotId, Instance>,
+    /// The most instances of an entity that may be alive at once.
+    pub limits: Vec<(EntityId, u32)>,
     /// Its players.
     pub players: IdVec<PlayerId, Player>,
     /// What is looked for.

@@ -47,13 +47,12 @@ impl Checker<'_> {
                 // Its contents are unknown, which is already reported.
                 self.poisoned_names.insert("*".into());
             }
-            let named = kinds.values().filter_map(|kind| kind.spawn.as_ref()?.name.as_ref().map(|name| (*kind, name)));
-            for (kind, name) in named.filter(|_| world.open == Some(id)) {
-                let Some(entity) = self.entity_of(&kinds, &kind.name.text) else { continue };
+            let spawns = kinds.values().filter_map(|kind| kind.spawn.as_ref());
+            let named = spawns.filter_map(|spawn| Some((spawn, spawn.name.as_ref()?)));
+            for (spawn, name) in named.filter(|_| world.open == Some(id)) {
+                let Some(&entity) = self.entities.get(&spawn.entity.text) else { continue };
                 population.names.declare(name, (), &mut self.diagnostics);
-                let (step, origin) = (population.step, (0.0, 0.0));
-                let made = self.default_instance(entity, name.clone(), Origin::Named, id, origin, step, name.span);
-                made.and_then(|instance| self.populate(population, instance));
+                self.spawned_by_tile(spawn, entity, (name.clone(), Origin::Named), (id, (0.0, 0.0)), population);
             }
             return;
         };
@@ -192,6 +191,17 @@ impl Checker<'_> {
                     Err(why) => {
                         self.diagnostics.report(BadLevel { at: setting.at, why: format!("`{}` {why}", setting.name) });
                     }
+                }
+            }
+            // What the block says goes for what the level leaves out. Wrong settings are already reported.
+            let spawn = kinds.get(object.class.as_str()).and_then(|kind| kind.spawn.as_ref());
+            let spawn = spawn.filter(|spawn| matches!(self.spawn_settings.get(&spawn.span), Some(Some(_))));
+            for of_kind in spawn.iter().flat_map(|spawn| &spawn.settings) {
+                let same = |own: &ast::Assignment| {
+                    (&own.variable.text, own.variable.primes) == (&of_kind.variable.text, of_kind.variable.primes)
+                };
+                if !settings.iter().any(same) {
+                    settings.push(of_kind.clone());
                 }
             }
             if origin == Origin::Named {

@@ -211,9 +211,14 @@ impl Checker<'_> {
         Rc::clone(self.mode_names.entry(entity).or_insert_with(|| Rc::new(ModeNames::of(of))))
     }
 
-    /// Reports an unknown name unless an earlier error explains it.
+    /// Reports an unknown name unless an earlier error explains it, or it may be an instance of a level to come.
     pub(super) fn report_unknown(&mut self, fact: UnknownName) {
-        if !self.poisoned_names.contains(&fact.name) && !self.poisoned_names.contains("*") {
+        if self.poisoned_names.contains(&fact.name) || self.poisoned_names.contains("*") {
+            return;
+        }
+        if self.awaited.is_some() && fact.may_be_instance() {
+            self.awaited_names.push(fact);
+        } else {
             self.diagnostics.report(fact);
         }
     }

@@ -123,9 +123,7 @@ impl<'t> Search<'t> {
     fn space_item(&mut self, item: &'t SpaceItem) {
         match item {
             SpaceItem::Place(place) => {
-                let is_given = |setting: &&ast::Assignment| setting.value.kind != ExprKind::NoneRef;
-                let given = place.settings.iter().filter(is_given).map(|setting| &*setting.variable.text);
-                self.made.push((&place.entity.text, given.collect(), place.name.span));
+                self.made.push((&place.entity.text, given(&place.settings), place.name.span));
             }
             SpaceItem::Map(map) => match &map.source {
                 MapSource::Vglc(_, legend) | MapSource::OpenLegend(legend) => self.tiles(&legend.tiles),
@@ -137,8 +135,8 @@ impl<'t> Search<'t> {
     }
 
     fn tiles(&mut self, tiles: &'t [ast::Tile]) {
-        for TileSpawn { entity, span, .. } in tiles.iter().filter_map(|tile| tile.spawn.as_ref()) {
-            self.made.push((&entity.text, Vec::new(), *span));
+        for TileSpawn { entity, settings, span, .. } in tiles.iter().filter_map(|tile| tile.spawn.as_ref()) {
+            self.made.push((&entity.text, given(settings), *span));
         }
     }
 
@@ -289,6 +287,12 @@ impl<'t> Body<'t> {
             _ => None,
         }
     }
+}
+
+/// The names that settings in a world set to something.
+fn given(settings: &[ast::Assignment]) -> Vec<&str> {
+    let is_given = |setting: &&ast::Assignment| setting.value.kind != ExprKind::NoneRef;
+    settings.iter().filter(is_given).map(|setting| &*setting.variable.text).collect()
 }
 
 /// The tag that an argument of `touching` names.

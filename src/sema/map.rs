@@ -152,6 +152,7 @@ impl<'a> Checker<'a> {
         self.checked.has_open_map = true;
         if self.level.map.is_none() {
             world.open = Some(id);
+            self.awaited = Some(reading.as_ref().map_or(world.spaces[id].name.span, |reading| reading.at));
         }
         let Some(mut reading) = reading else { return };
         if let Some((file, format)) = self.level.map.and_then(|f| Some((f, Format::of(&self.sources.file(f).path)?))) {

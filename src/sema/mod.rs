@@ -66,6 +66,8 @@ pub const MAX_TILE_KINDS: usize = 4_096;
 pub struct Level {
     /// The file.
     pub map: Option<FileId>,
+    /// Whether there is a file that could not be read.
+    pub is_unread: bool,
     /// The level of a project of LDtk.
     pub part: Option<String>,
     /// A legend for characters that the program does not define.
@@ -157,6 +159,14 @@ struct Checker<'a> {
     tags: std::collections::BTreeMap<ast::Word, TagId>,
     /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<String>,
+    /// The step of the world that is checked, as a fraction of seconds.
+    step: (u64, u64),
+    /// The settings of each tile that spawns, by its place; none if they are wrong.
+    spawn_settings: std::collections::BTreeMap<Span, Option<std::rc::Rc<place::Settings>>>,
+    /// The open map of the world that is checked, if no level is given.
+    awaited: Option<Span>,
+    /// Names that may be instances of the level that is not given.
+    awaited_names: Vec<crate::diagnostic::catalogue::names::UnknownName>,
     /// The instances that worlds place, with their entities.
     placed: std::collections::BTreeMap<ast::Word, ast::Word>,
     /// The references that may be none.
@@ -195,6 +205,10 @@ impl<'a> Checker<'a> {
             sets: IdVec::new(),
             set_ids: std::collections::BTreeMap::new(),
             values: std::collections::BTreeMap::new(),
+            step: (1, 60),
+            spawn_settings: std::collections::BTreeMap::new(),
+            awaited: None,
+            awaited_names: Vec::new(),
             poisoned_names: files.iter().flat_map(|f| f.poisoned_names.iter().cloned()).collect(),
         }
     }

@@ -7,12 +7,13 @@ use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind, Name};
 
 use super::Checker;
-use super::checked::{Entity, Given, Instance};
+use super::checked::{Entity, Given, Instance, Term};
 use super::constant::{ConstantContext, evaluate};
 use super::expression::Scope;
 use super::names::{Table, unknown};
 
 /// The explicitly set values of an instance; the rest follows from the entity.
+#[derive(Clone)]
 pub(super) struct Values {
     pub params: IdVec<ParamId, Option<f64>>,
     pub vars: IdVec<VarId, [Option<f64>; 3]>,
@@ -30,7 +31,58 @@ impl Values {
     }
 }
 
+/// What a block of settings gives an instance.
+pub(super) struct Settings {
+    pub values: Values,
+    /// The settings as terms.
+    pub given: Vec<(Given, Term)>,
+    /// References, each with the name of its target.
+    pub references: Vec<(RefId, Name)>,
+}
+
 impl Checker<'_> {
+    /// Checks settings; the result is none if a value is not known. The instance's position is at `position`.
+    pub(super) fn settings(
+        &mut self,
+        id: EntityId,
+        settings: &[ast::Assignment],
+        position: Span,
+        step: (u64, u64),
+    ) -> Option<Settings> {
+        let constants = ConstantContext { params: None, step: Some(step) };
+        let scope = Scope::constant();
+        let mut out =
+            Settings { values: Values::of(&self.checked.entities[id]), given: Vec::new(), references: Vec::new() };
+        let mut set: Table<()> = Table::new("setting");
+        let mut fits = true;
+        for setting in settings {
+            let variable = &setting.variable;
+            let written = format!("{}{}", variable.text, "'".repeat(variable.primes as usize));
+            if !set.declare(&Name { text: written.into(), span: variable.span }, (), &mut self.diagnostics) {
+                continue;
+            }
+            let Some((what, ty)) = self.setting(id, variable) else { continue };
+            if self.position_is_placed(position, setting, what) {
+                continue;
+            }
+            if let Given::Ref(reference) = what {
+                out.references.extend(self.instance_name(&setting.value).map(|name| (reference, name)));
+                continue;
+            }
+            let term = self.typed(&setting.value, &scope, &ty);
+            let value = term.as_ref().and_then(|t| self.evaluated(t, constants));
+            out.given.extend(term.map(|t| (what, t)));
+            fits &= value.is_some();
+            match what {
+                Given::Param(id) => out.values.params[id] = value,
+                Given::Discrete(id) => out.values.discretes[id] = value,
+                Given::Var(id, degree) => out.values.vars[id][usize::from(degree)] = value,
+                Given::Ref(_) => {}
+            }
+        }
+        fits.then_some(out)
+    }
+
     /// A placed instance. Targets of references are stored by name, as not all instances are known yet.
     pub(super) fn place(
         &mut self,
@@ -55,41 +107,14 @@ impl Checker<'_> {
             self.report_unknown(fact);
             return None;
         };
-        let entity = self.checked.entities[id].clone();
-        let mut values = Values::of(&entity);
-        values.vars[VarId::X][0] = at[0];
-        values.vars[VarId::Y][0] = at[1];
-        let mut set: Table<()> = Table::new("setting");
-        let mut fits = at[0].is_some() && at[1].is_some();
-        for setting in &place.settings {
-            let variable = &setting.variable;
-            let written = format!("{}{}", variable.text, "'".repeat(variable.primes as usize));
-            if !set.declare(&Name { text: written.into(), span: variable.span }, (), &mut self.diagnostics) {
-                continue;
-            }
-            let Some((what, ty)) = self.setting(id, variable) else { continue };
-            if self.position_is_placed(place, setting, what) {
-                continue;
-            }
-            if let Given::Ref(reference) = what {
-                references.extend(self.instance_name(&setting.value).map(|name| (slot, reference, name)));
-                continue;
-            }
-            let term = self.typed(&setting.value, &scope, &ty);
-            let value = term.as_ref().and_then(|t| self.evaluated(t, constants));
-            given.extend(term.map(|t| (what, t)));
-            fits &= value.is_some();
-            match what {
-                Given::Param(id) => values.params[id] = value,
-                Given::Discrete(id) => values.discretes[id] = value,
-                Given::Var(id, degree) => values.vars[id][usize::from(degree)] = value,
-                Given::Ref(_) => {}
-            }
-        }
-        if !fits {
-            return None;
-        }
+        let settings = self.settings(id, &place.settings, place.x.span.to(place.y.span), step);
+        let (Some(x), Some(y), Some(settings)) = (at[0], at[1], settings) else { return None };
+        let Settings { mut values, given: set, references: named } = settings;
+        values.vars[VarId::X][0] = Some(x);
+        values.vars[VarId::Y][0] = Some(y);
+        given.extend(set);
         let made = self.instance_of(id, values, place.name.clone(), Origin::Named, space, step, place.span)?;
+        references.extend(named.into_iter().map(|(reference, name)| (slot, reference, name)));
         Some(Instance { given, ..made })
     }
 

@@ -1,6 +1,6 @@
 //! The slots of a world: placed instances, instances made by tiles, and free slots of a `limit`.
 
-use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, VarId};
+use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, Subject, VarId};
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::syntax::ast::{self, Name, Word, WorldItem};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
-use super::checked::{Action, Instance, World};
+use super::checked::{Action, Instance, Term, TermKind, World};
 use super::constant::ConstantContext;
 use super::expression::Scope;
 use super::names::{Table, unknown};
@@ -105,17 +105,14 @@ impl Checker<'_> {
             .collect();
         let Some(map) = &world.spaces[id].map else {
             let named = set.spawns.iter().zip(&entities);
-            let named = named.filter_map(|(spawn, entity)| Some((spawn.as_ref()?.name.as_ref()?, *entity)));
-            for (name, entity) in named {
+            let named = named.filter_map(|(spawn, entity)| Some(((*spawn)?, spawn.as_ref()?.name.as_ref()?, *entity)));
+            for (spawn, name, entity) in named {
                 let Some(entity) = entity.filter(|_| world.open == Some(id)) else {
                     self.poisoned_names.insert(name.text.to_string());
                     continue;
                 };
                 population.names.declare(name, (), &mut self.diagnostics);
-                let origin = (0.0, 0.0);
-                let step = population.step;
-                let made = self.default_instance(entity, name.clone(), Origin::Named, id, origin, step, name.span);
-                made.and_then(|instance| self.populate(population, instance));
+                self.spawned_by_tile(spawn, entity, (name.clone(), Origin::Named), (id, (0.0, 0.0)), population);
             }
             return;
         };
@@ -138,10 +135,7 @@ impl Checker<'_> {
                     None => (self.unnamed(population, entity, spawn.span), Origin::Tile),
                 };
                 let position = (column as f64 * map.tile.0, row as f64 * map.tile.1);
-                let made = self.default_instance(entity, name, origin, id, position, population.step, spawn.span);
-                if let Some(instance) = made {
-                    self.populate(population, instance);
-                }
+                self.spawned_by_tile(spawn, entity, (name, origin), (id, position), population);
             }
         }
         for (kind, spawn) in set.spawns.iter().enumerate() {
@@ -162,8 +156,13 @@ impl Checker<'_> {
         }
     }
 
-    /// Makes the free slots of `limit` lines; every entity that is spawned must have one.
-    pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) {
+    /// Checks the `limit` lines and makes their free slots; every entity that is spawned must have a limit.
+    ///
+    /// The slot of a placed instance is never reused, since goals and references of the world name it. What is
+    /// destroyed leaves room for another one all the same, so such instances do not take a free slot away.
+    pub(super) fn limits(&mut self, syntax: &ast::World, population: &mut Population) -> Vec<(EntityId, u32)> {
+        let mut known = Vec::new();
+        let destructible = self.destructible();
         let mut limits: BTreeMap<EntityId, Span> = BTreeMap::new();
         for item in &syntax.items {
             let WorldItem::Limit(limit) = item else { continue };
@@ -200,13 +199,39 @@ impl Checker<'_> {
             }
             // Without a space nothing can spawn or exist.
             let has_space = syntax.items.iter().any(|item| matches!(item, WorldItem::Space(_)));
-            for _ in (living..count as usize).filter(|_| has_space) {
+            known.push((entity, count as u32));
+            let stays = |i: &&Instance| i.entity == entity && (i.origin != Origin::Named || !destructible[entity]);
+            let taken = population.instances.iter().filter(stays).count();
+            for _ in (taken..count as usize).filter(|_| has_space) {
                 let name = self.unnamed(population, entity, limit.span);
                 let made = self.free_instance(entity, name, limit.span);
                 self.populate(population, made);
             }
         }
         self.spawned_entities(syntax, &limits, population);
+        known
+    }
+
+    /// For each entity, whether anything may destroy an instance of it.
+    fn destructible(&self) -> IdVec<EntityId, bool> {
+        let entities = &self.checked.entities;
+        let mut found: IdVec<EntityId, bool> = entities.iter().map(|_| false).collect();
+        for (id, entity) in entities.pairs() {
+            for action in entity.actions() {
+                let Action::Destroy(Term { kind: TermKind::Instance(subject), .. }) = action else { continue };
+                let of = match subject {
+                    Subject::Me => Some(id),
+                    Subject::Ref(reference) => entity.refs[*reference].entity,
+                    Subject::Slot(_) | Subject::Touched(_) => None,
+                };
+                match of {
+                    Some(entity) => found[entity] = true,
+                    // It may have any entity.
+                    None => return entities.iter().map(|_| true).collect(),
+                }
+            }
+        }
+        found
     }
 
     /// Checks that every entity that can be spawned in the world has a limit.
@@ -220,9 +245,7 @@ impl Checker<'_> {
             }
             living.push(entity);
             let e = &self.checked.entities[entity];
-            let actions = e.edges.iter().flat_map(|edge| &edge.actions);
-            let entries = e.modes.iter().flat_map(|m| m.entry.iter().chain(m.follows.iter().flat_map(|f| &f.actions)));
-            for action in actions.chain(entries) {
+            for action in e.actions() {
                 let Action::Spawn(spawn) = action else { continue };
                 next.push(spawn.entity);
                 let known = limits.contains_key(&spawn.entity);
@@ -279,22 +302,32 @@ impl Checker<'_> {
         }
     }
 
-    /// An instance with default values, except its position.
-    #[allow(clippy::too_many_arguments, reason = "an instance is all of these")]
-    pub(super) fn default_instance(
+    /// An instance that a tile makes, with the tile's settings.
+    pub(super) fn spawned_by_tile(
         &mut self,
+        spawn: &ast::TileSpawn,
         entity: EntityId,
-        name: Name,
-        origin: Origin,
-        space: SpaceId,
-        position: (f64, f64),
-        step: (u64, u64),
-        span: Span,
-    ) -> Option<Instance> {
-        let e = self.checked.entities[entity].clone();
-        let mut given = super::place::Values::of(&e);
-        given.vars[VarId::X][0] = Some(position.0);
-        given.vars[VarId::Y][0] = Some(position.1);
-        self.instance_of(entity, given, name, origin, space, step, span)
+        (name, origin): (Name, Origin),
+        (space, position): (SpaceId, (f64, f64)),
+        population: &mut Population,
+    ) {
+        let settings = self.spawn_settings.get(&spawn.span).cloned().flatten();
+        let made = settings.and_then(|settings| {
+            let mut values = settings.values.clone();
+            values.vars[VarId::X][0] = Some(position.0);
+            values.vars[VarId::Y][0] = Some(position.1);
+            let step = population.step;
+            let made = self.instance_of(entity, values, name.clone(), origin, space, step, spawn.span)?;
+            Some((Instance { given: settings.given.clone(), ..made }, settings))
+        });
+        let Some((instance, settings)) = made else {
+            // Goals may still refer to it.
+            self.poisoned_names.insert(name.text.to_string());
+            return;
+        };
+        if let Some(slot) = self.populate(population, instance) {
+            let named = settings.references.iter();
+            population.references.extend(named.map(|(reference, name)| (slot, *reference, name.clone())));
+        }
     }
 }

@@ -234,8 +234,8 @@ impl Checker<'_> {
         None
     }
 
-    /// Reports a position that a `place` sets a second time.
-    pub(super) fn position_is_placed(&mut self, place: &ast::Place, setting: &ast::Assignment, what: Given) -> bool {
+    /// Reports a position that a setting sets a second time; `position` is where it comes from.
+    pub(super) fn position_is_placed(&mut self, position: Span, setting: &ast::Assignment, what: Given) -> bool {
         let Given::Var(var, 0) = what else { return false };
         if !var.is_position() {
             return false;
@@ -243,7 +243,7 @@ impl Checker<'_> {
         self.diagnostics.report(DuplicateName {
             kind: "the position",
             name: setting.variable.text.to_string(),
-            first: place.x.span.to(place.y.span),
+            first: position,
             second: setting.span(),
         });
         true

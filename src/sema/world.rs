@@ -2,9 +2,11 @@
 
 use crate::ir::{Arithmetic, Bounce, IdVec, MAX_COLLIDE_LINES, Origin, Push, Response, SpaceId, TagId};
 
+use std::rc::Rc;
+
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::OutOfRange;
-use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile};
+use crate::diagnostic::catalogue::world::{BadPlayer, BadStep, BadTile, MissingLevel};
 use crate::level::{InlineTile, MAX_LENGTH};
 use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name, SpaceItem, WorldItem};
@@ -40,6 +42,7 @@ impl Checker<'_> {
             collide: Vec::new(),
             spaces: IdVec::new(),
             instances: IdVec::new(),
+            limits: Vec::new(),
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
@@ -49,16 +52,19 @@ impl Checker<'_> {
         };
         let mut steps: Table<()> = Table::new("the step");
         let mut sets: Table<TileSet<'_>> = Table::new("tile set");
+        // Settings of tiles may be numbers of steps.
+        for item in &syntax.items {
+            let WorldItem::Step(e) = item else { continue };
+            let name = Name { text: "step".into(), span: e.span };
+            if steps.declare(&name, (), &mut self.diagnostics)
+                && let Some(step) = self.step_of(e)
+            {
+                world.step = step;
+            }
+        }
+        self.step = world.step;
         for item in &syntax.items {
             match item {
-                WorldItem::Step(e) => {
-                    let name = Name { text: "step".into(), span: e.span };
-                    if steps.declare(&name, (), &mut self.diagnostics)
-                        && let Some(step) = self.step(e)
-                    {
-                        world.step = step;
-                    }
-                }
                 WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets, &mut world.lengths),
                 WorldItem::Collide(line) if world.collide.len() == MAX_COLLIDE_LINES => {
                     self.too_many("lines of `collide`", MAX_COLLIDE_LINES, line.span);
@@ -112,7 +118,7 @@ impl Checker<'_> {
             let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
-        self.limits(syntax, &mut population);
+        world.limits = self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;
         let names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
@@ -141,11 +147,32 @@ impl Checker<'_> {
             }
         }
         world.conditions = self.take_conditions(&scope);
+        self.awaited_instances(&world);
         self.checked.worlds.push(world);
     }
 
+    /// Reports the names that only a level can explain, once for the world.
+    fn awaited_instances(&mut self, world: &World) {
+        let mut names = std::mem::take(&mut self.awaited_names);
+        let Some(map) = self.awaited.take() else { return };
+        names.sort_by_key(|name| name.at);
+        // A level that cannot be read is already reported.
+        let Some(first) = names.first().filter(|_| !self.level.is_unread) else { return };
+        let mut all: Vec<String> = names.iter().map(|name| name.name.clone()).collect();
+        let mut seen = std::collections::BTreeSet::new();
+        all.retain(|name| seen.insert(name.clone()));
+        let near = names.iter().find_map(|of| Some((of.name.clone(), of.near()?.to_string())));
+        self.diagnostics.report(MissingLevel {
+            at: first.at,
+            names: all,
+            world: world.name.text.to_string(),
+            map,
+            near,
+        });
+    }
+
     /// `1/60`, `0.02`, `16ms`: an exact fraction of a second.
-    fn step(&mut self, e: &Expr) -> Option<(u64, u64)> {
+    fn step_of(&mut self, e: &Expr) -> Option<(u64, u64)> {
         let term = self.number(e, &Scope::constant())?;
         let (numerator, denominator) = match &term.kind {
             TermKind::Arithmetic(Arithmetic::Divide, sides) => {
@@ -284,10 +311,13 @@ impl Checker<'_> {
         }
     }
 
-    /// Records the names in a tile besides its tags.
+    /// Checks what a tile spawns, but for the name of an unknown entity.
     pub(super) fn tile_spawn(&mut self, spawn: Option<&ast::TileSpawn>) {
         let Some(spawn) = spawn else { return };
-        self.entity_named(&spawn.entity);
+        if let Some(entity) = self.entity_named(&spawn.entity) {
+            let settings = self.settings(entity, &spawn.settings, spawn.span, self.step);
+            self.spawn_settings.insert(spawn.span, settings.map(Rc::new));
+        }
         if let Some(name) = &spawn.name {
             self.record_declaration(NameKind::Instance, name);
         }

@@ -5,12 +5,37 @@
 
 use std::cell::Cell;
 
-use crate::ir::{EdgeId, Id, Place, RefId, SlotId, SpaceId, SpawnId, VarId};
+use crate::ir::{EdgeId, EntityId, Id, Origin, Place, RefId, Slot, SlotId, SpaceId, SpawnId, VarId, World};
 
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::simulator::{Scratch, Simulator};
 use super::state::Life;
+
+/// The slots that a spawn of an entity may take. The slot of a placed instance is never reused: it has a name.
+#[derive(Debug)]
+pub(super) struct Pool {
+    free: Vec<SlotId>,
+    placed: Vec<SlotId>,
+    /// The most instances that may be alive at once.
+    limit: usize,
+}
+
+impl Pool {
+    pub fn new(world: &World, entity: EntityId) -> Self {
+        let limit = world.limits.iter().find(|limit| limit.entity == entity);
+        let slots = world.slots.pairs().filter(|(_, s)| s.entity == entity);
+        let (placed, free): (Vec<_>, Vec<_>) = slots.partition(|(_, s)| s.origin == Origin::Named);
+        let ids = |of: Vec<(SlotId, &Slot)>| of.into_iter().map(|(id, _)| id).collect();
+        Pool { free: ids(free), placed: ids(placed), limit: limit.map_or(usize::MAX, |l| l.count as usize) }
+    }
+
+    /// The first slot that is free, unless as many instances are alive as may be.
+    fn first(&self, is_alive: impl Fn(SlotId) -> bool) -> Option<SlotId> {
+        let living = self.placed.iter().chain(&self.free).filter(|slot| is_alive(**slot)).count();
+        self.free.iter().copied().find(|slot| living < self.limit && !is_alive(*slot))
+    }
+}
 
 /// The pending changes of a step.
 #[derive(Debug, Clone, Default)]
@@ -117,7 +142,7 @@ impl Simulator {
         }
         for &(me, spawn, into) in &changes.spawns {
             let pool = &self.pools[self.entity(me).spawns[spawn].entity.index()];
-            let free = pool.iter().copied().find(|&s| !self.layout(s).alive(state));
+            let free = pool.first(|slot| self.layout(slot).alive(state));
             match free {
                 Some(slot) => {
                     let actor = &self.actors[me.index()];

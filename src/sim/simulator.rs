@@ -16,7 +16,7 @@ use super::discrete::{ActingGroup, TakenEdge};
 use super::evaluate::Reader;
 use super::fault::Fault;
 use super::input::{Frame, Input};
-use super::life::Changes;
+use super::life::{Changes, Pool};
 use super::saved::State;
 use super::state::{Life, buttons, set_buttons};
 
@@ -29,8 +29,8 @@ pub struct Simulator {
     code: Option<Box<[Expr]>>,
     pub(super) step: f64,
     pub(super) collision: Collision,
-    /// For each entity, the slots that a spawn may take.
-    pub(super) pools: Vec<Vec<SlotId>>,
+    /// For each entity, what a spawn may take.
+    pub(super) pools: Vec<Pool>,
     /// Prepared data of each slot.
     pub(super) actors: Vec<Actor>,
     /// Whether no instance reads another one in the continuous phase.
@@ -90,10 +90,6 @@ impl Simulator {
     pub fn new(program: &Arc<Program>, id: WorldId) -> Self {
         let world = &program.worlds[id];
         let collision = Collision::new(program, world);
-        let pool = |entity| {
-            let free = world.slots.pairs().filter(|(_, s)| s.entity == entity && s.origin != Origin::Named);
-            free.map(|(id, _)| id).collect()
-        };
         let lives_change = world.slots.iter().any(|s| {
             let e = &program.entities[s.entity];
             e.action_lists().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
@@ -109,7 +105,7 @@ impl Simulator {
             moves_independently: moves_independently(&actors),
             step: world.step.seconds(),
             collision,
-            pools: program.entities.ids().map(pool).collect(),
+            pools: program.entities.ids().map(|entity| Pool::new(world, entity)).collect(),
             actors,
             lives_change,
             remembered: remembered(program),

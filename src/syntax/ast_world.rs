@@ -119,15 +119,19 @@ pub struct Tile {
     pub spawn: Option<TileSpawn>,
 }
 
-/// `spawn Entity as name` of a tile
+/// `spawn Entity as name { settings }` of a tile
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileSpawn {
     /// The entity.
     pub entity: Name,
     /// The name of the only instance.
     pub name: Option<Name>,
-    /// The whole.
+    /// Parameters and first values of the instances.
+    pub settings: Vec<Assignment>,
+    /// From `spawn` to the last name.
     pub span: Span,
+    /// The whole.
+    pub whole: Span,
 }
 
 /// `limit Entity 8`

@@ -4,11 +4,12 @@ use pest::iterators::Pair;
 
 use super::Rule;
 use super::ast::{
-    Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player, Question,
-    Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
+    Assignment, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player,
+    Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
+use crate::source::Span;
 
 /// The rules of the parts of spaces.
 const SPACE_ITEMS: Parts<SpaceItem> = Parts {
@@ -146,14 +147,31 @@ impl<'a> Builder<'a> {
     }
 
     /// The meaning of a tile: tags, or a spawn.
-    fn meaning(&self, what: &Pair<'_, Rule>) -> Option<(Vec<Name>, Option<TileSpawn>)> {
-        let mut names = self.names(what);
+    fn meaning(&mut self, what: &Pair<'_, Rule>) -> Option<(Vec<Name>, Option<TileSpawn>)> {
         if what.as_rule() != Rule::tile_spawn {
-            return Some((names, None));
+            return Some((self.names(what), None));
         }
-        let name = (names.len() > 1).then(|| names.swap_remove(1));
-        let entity = names.into_iter().next()?;
-        Some((Vec::new(), Some(TileSpawn { entity, name, span: self.span_of(what) })))
+        let inner = parts(what);
+        let entity = self.name(inner.first()?);
+        let of = |rule: Rule| inner.iter().find(|part| part.as_rule() == rule);
+        let name = of(Rule::tile_name).and_then(|named| Some(self.name(parts(named).first()?)));
+        let settings = self.settings(of(Rule::settings));
+        let whole = self.span_of(what);
+        let last = name.as_ref().map_or(entity.span, |name| name.span);
+        let span = Span::new(whole.file(), whole.range().start, last.range().end);
+        Some((Vec::new(), Some(TileSpawn { entity, name, settings, span, whole })))
+    }
+
+    /// The settings of an instance.
+    fn settings(&mut self, block: Option<&Pair<'_, Rule>>) -> Vec<Assignment> {
+        let mut settings = Vec::new();
+        for setting in block.map(parts).unwrap_or_default() {
+            match setting.as_rule() {
+                Rule::bad_setting => self.bad(Rule::only_setting, &setting),
+                _ => settings.extend(self.assignment(&setting)),
+            }
+        }
+        settings
     }
 
     fn kinds(&mut self, block: Option<&Pair<'_, Rule>>) -> Kinds {
@@ -246,15 +264,7 @@ impl<'a> Builder<'a> {
     fn place(&mut self, pair: &Pair<'_, Rule>) -> Option<Place> {
         let inner = parts(pair);
         let point = parts(inner.get(2)?);
-        let mut settings = Vec::new();
-        if let Some(block) = inner.get(3) {
-            for setting in parts(block) {
-                match setting.as_rule() {
-                    Rule::bad_setting => self.bad(Rule::only_setting, &setting),
-                    _ => settings.extend(self.assignment(&setting)),
-                }
-            }
-        }
+        let settings = self.settings(inner.get(3));
         Some(Place {
             name: self.name(inner.first()?),
             entity: self.name(inner.get(1)?),

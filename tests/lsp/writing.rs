@@ -66,6 +66,33 @@ fn completion_knows_the_place() {
 }
 
 #[test]
+fn completion_knows_the_settings_of_tiles() {
+    let text = "entity Pac { }
+entity Ghost { param speed = 1; ref pac: Pac; discrete mood: {calm, angry} = calm }
+world W {
+    tiles t 1 x 1 { '.': empty; 'P': spawn Pac as pac; 'G': spawn Ghost as blinky { speed = 2 } }
+    space r {
+        map t \"
+            P.G
+        \"
+    }
+    space s { map tiled \"a.tmx\" { blob: spawn Ghost { mood = calm } } }
+}
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("{ speed = 2 }", "{ speed = 2; | }"),
+        ("{ speed = 2 }", "{ pac = | }"),
+        ("{ mood = calm }", "{ | }"),
+        ("{ mood = calm }", "{ mood = | }"),
+        ("'G': spawn Ghost", "'G': spawn |"),
+    ] {
+        completed_in(&mut session, text, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn conditions_are_offered_where_they_are_visible() {
     let text = "behavior B { condition calm = y < 3; mode q { when calm { y := 0 } } }
 entity A {

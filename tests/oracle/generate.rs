@@ -423,6 +423,11 @@ impl Generator<'_> {
             let refs = if self.draw.chance(30) { " { n = 1 }" } else { "" };
             self.line(format!("        place foe: Foe at ({x}, {y}){refs}"));
         }
+        let shot = self.has_shot && self.draw.chance(30);
+        if shot {
+            let (x, y) = (self.length(), self.length());
+            self.line(format!("        place shot: Shot at ({x}, {y})"));
+        }
         if has_link {
             let (from, to) = (self.draw.one(&["16, 0, 16, 16", "0, 0, 48, 48", "32, 0, 8, 64"]), self.length());
             let when = if self.draw.chance(40) { " when hero.n > 0" } else { "" };
@@ -443,7 +448,7 @@ impl Generator<'_> {
             self.line("    limit Foe 20");
         }
         if self.has_shot {
-            let limit = 1 + self.draw.pick(2);
+            let limit = 1 + self.draw.pick(2) + usize::from(shot);
             self.line(format!("    limit Shot {limit}"));
         }
         self.line("    player 1: hero");

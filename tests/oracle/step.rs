@@ -338,7 +338,13 @@ impl<'p> Oracle<'p> {
         passing: &mut Passing,
     ) -> Result<(), Fault> {
         let instances = &self.world.instances;
-        let free = instances.ids().find(|slot| {
+        // What a placed instance leaves is room for another one, but its name stays its own.
+        let living = instances
+            .ids()
+            .filter(|slot| instances[*slot].entity == spawn.entity && state.things[slot.index()].is_some());
+        let most = self.world.limits.iter().find(|(entity, _)| *entity == spawn.entity).map(|(_, most)| *most as usize);
+        let is_full = most.is_some_and(|most| living.count() >= most);
+        let free = instances.ids().filter(|_| !is_full).find(|slot| {
             let instance = &instances[*slot];
             instance.entity == spawn.entity && instance.origin != Origin::Named && state.things[slot.index()].is_none()
         });

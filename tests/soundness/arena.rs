@@ -128,10 +128,13 @@ impl Generator<'_> {
         self.world_line("LIMITS");
         let tile = number(self.arena.tile);
         self.world_line(format!("tiles t {tile} x {tile} {{"));
-        self.world_line("'.': empty\n'#': wall\n'-': cloud\n'~': \"thin ice\"\n'w': wall, \"thin ice\"\n'a': spawn A");
+        self.world_line("'.': empty\n'#': wall\n'-': cloud\n'~': \"thin ice\"\n'w': wall, \"thin ice\"");
+        let settings = if self.draw.chance(40) { self.settings() } else { String::new() };
+        self.world_line(format!("'a': spawn A{settings}"));
         self.arena.has_boss &= self.arena.is_mapped();
         if self.arena.has_boss {
-            self.world_line("'s': spawn A as boss");
+            let settings = if self.draw.chance(40) { self.settings() } else { String::new() };
+            self.world_line(format!("'s': spawn A as boss{settings}"));
         }
         self.world_line("}");
         self.space("main", self.arena.main, frame);
@@ -151,7 +154,8 @@ impl Generator<'_> {
     pub fn limits(&mut self) -> String {
         let mut out = String::new();
         for (index, plan) in self.plans.iter().enumerate() {
-            let free = [1, 2, 3][self.draw.pick(3)];
+            // Without any, only what is destroyed leaves room.
+            let free = self.draw.pick(4);
             if plan.is_spawned || self.draw.chance(5) {
                 // One can be placed by a tile of each map.
                 let tiles = if index == 0 { 2 + usize::from(self.arena.has_boss) } else { 0 };
@@ -238,7 +242,7 @@ impl Generator<'_> {
                 let map = self.draw.one(&[
                     "t from \"levels/room.txt\"",
                     "vglc \"levels/room.txt\" legend \"levels/legend.json\" tile 16 x 16 { 'a': spawn A }",
-                    "tiled \"levels/cave.tmx\" { Rock: wall; blob: spawn A }",
+                    "tiled \"levels/cave.tmx\" { Rock: wall; blob: spawn A { speed = -60; x' = 30 } }",
                     "ldtk \"levels/world.ldtk\" level \"Cave\" { Rock: wall; Mob: spawn A }",
                     "level t",
                     "level legend \"levels/legend.json\" tile 16 x 16",
@@ -359,6 +363,13 @@ impl Generator<'_> {
             (x, y) = (self.arena.last.0 + by[self.draw.pick(6)], self.arena.last.1 + by[self.draw.pick(5)]);
         }
         self.arena.last = (x, y);
+        let settings = self.settings();
+        let (name, at) = (self.plans[plan].name.clone(), self.axes.point(x, y));
+        self.world_line(format!("place p{index}: {name} at {at}{settings}"));
+    }
+
+    /// The settings of an instance; sometimes none.
+    fn settings(&mut self) -> String {
         let mut settings = Vec::new();
         if self.draw.chance(20) {
             let speed = self.draw.one(&["30", "-60", "0", "200", "-7.5"]);
@@ -393,9 +404,7 @@ impl Generator<'_> {
                 settings.push(format!("foe_{} = p{to}", self.plans[of].name.to_lowercase()));
             }
         }
-        let (name, at) = (self.plans[plan].name.clone(), self.axes.point(x, y));
-        let settings = if settings.is_empty() { String::new() } else { format!(" {{ {} }}", settings.join("; ")) };
-        self.world_line(format!("place p{index}: {name} at {at}{settings}"));
+        if settings.is_empty() { String::new() } else { format!(" {{ {} }}", settings.join("; ")) }
     }
 
     fn link(&mut self, to: &str) {

@@ -108,8 +108,19 @@ impl Tally {
     /// Records the events of a step.
     pub fn watch(&self, sim: &Simulator, before: &[u8], input: &Input, after: &[u8], scratch: &Scratch) {
         let (program, world) = (sim.program(), sim.world());
-        if sim.refused(scratch).is_some() {
+        // Whether a slot of an entity was empty and stays so: one with a name, or one that a spawn may take.
+        let is_empty = |entity, is_named: bool| {
+            world.slots.pairs().any(|(slot, s)| {
+                let layout = &world.layout.slots[slot];
+                let is_such = s.entity == entity && (s.origin == Origin::Named) == is_named;
+                is_such && !layout.alive(before) && !layout.alive(after)
+            })
+        };
+        if let Some((slot, spawn)) = sim.refused(scratch) {
             self.note("a spawn is refused");
+            if is_empty(program.entities[world.slots[slot].entity].spawns[spawn].entity, false) {
+                self.note("a spawn is refused beside a free slot");
+            }
         }
         if sim.left_bounds(after).is_some() {
             self.note("a player leaves its bounds");
@@ -127,7 +138,12 @@ impl Tally {
             let layout = &world.layout.slots[slot];
             match (layout.alive(before), layout.alive(after)) {
                 (true, false) => self.note("an instance ends"),
-                (false, true) => self.note("an instance begins"),
+                (false, true) => {
+                    self.note("an instance begins");
+                    if is_empty(s.entity, true) {
+                        self.note("an instance begins where a placed one is gone");
+                    }
+                }
                 (true, true) => {}
                 (false, false) => continue,
             }
@@ -216,6 +232,10 @@ impl Tally {
     pub fn survey(&self, sim: &Simulator, is_by_place: bool) {
         if is_by_place {
             self.note("a player is told apart by place");
+        }
+        // Only a setting gives the instance of a tile a reference.
+        if sim.world().slots.iter().any(|s| s.origin == Origin::Tile && s.refs.iter().any(|to| to.is_some())) {
+            self.note("a tile sets a reference");
         }
         for space in sim.world().spaces.iter() {
             let boxes: Vec<[f64; 4]> =
@@ -612,14 +632,17 @@ const EVENTS: &[&str] = &[
     "a spawn",
     "a spawn into a reference",
     "a spawn is refused",
+    "a spawn is refused beside a free slot",
     "a spawn by what was spawned, parameters from its own",
     "destroy self",
     "destroy what is touched",
     "destroy a reference",
     "an instance begins",
+    "an instance begins where a placed one is gone",
     "an instance ends",
     "a player leaves its bounds",
     "a second player",
+    "a tile sets a reference",
     "a player is told apart by place",
     "walls half a pixel apart",
     "a dash out of a room",

@@ -97,7 +97,7 @@ syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=tiles\>\ze\s\+\K/ contained nextgr
 syn match hypedTileSet /\K\k*/ contained nextgroup=hypedWidth skipwhite
 syn match hypedWidth /\K\k*\ze\s\+x\s/ contained
 syn match hypedTimes /\%([[:keyword:])]\s\+\)\@<=x\>\ze\s\+[[:keyword:](]/ contained
-syn region hypedTiles matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedExpression,hypedTile
+syn region hypedTiles matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedExpression,hypedTile,hypedTiles
 syn match hypedTile /'.'\ze\s*:/ contained
 
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=collide\>/ contained nextgroup=hypedCollide skipwhite

@@ -179,6 +179,8 @@ const repository = {
     patterns: [
       ...use('comments'),
       between(r`(')(.)(')\s*(:)`, ['punctuation.definition.character', 'constant.character.tile', 'punctuation.definition.character', 'punctuation.separator'], END, [], use('tile-meaning'), 'meta.tile'),
+      // The settings of an instance, if their brace begins a line.
+      block(...use('expression')),
     ],
   },
   // Names from a level editor. Unlike these, a setting has no colon.
@@ -186,6 +188,7 @@ const repository = {
   'tile-meaning': {
     patterns: [
       groups(r`\b(spawn)\s+(${NAME})(?:\s+(as)\s+(${NAME}))?`, 'keyword.control', 'entity.name.type', 'keyword.control', 'variable.other'),
+      block(...use('expression')),
       ...use('tags'),
     ],
   },

@@ -159,6 +159,17 @@ test('maps are strings, whatever their tiles are', () => {
   ]);
 });
 
+test('settings of what tiles spawn', () => {
+  looks("world W {\n    tiles t 16 x 16 {\n        'G': spawn Ghost as g { pac = hero; x' = 3 } // why\n        'B': spawn Ghost\n        {\n            speed = 40\n        }\n        '#': wall\n    }\n    space s {\n        map tiled \"a.tmx\" {\n            blob: spawn Slime {\n                speed = 2\n            }\n            rock: wall\n        }\n    }\n}", [
+    ['spawn', 'keyword.control'], ['Ghost', 'entity.name.type'], ['as', 'keyword.control'], ['g', 'variable.other'],
+    ['pac', 'variable.other'], ['=', 'keyword.operator.assignment'], ['hero', 'variable.other'], ['x', 'variable.other'],
+    ["'", 'keyword.operator.prime'], ['3', 'constant.numeric'], ['// why', 'comment.line.double-slash'],
+    ['Ghost', 'entity.name.type'], ['speed', 'variable.other'], ['40', 'constant.numeric'], ['#', 'constant.character.tile'],
+    ['wall', 'entity.name.tag'], ['blob', 'entity.name.tag'], ['Slime', 'entity.name.type'], ['speed', 'variable.other'],
+    ['2', 'constant.numeric'], ['rock', 'entity.name.tag'], ['wall', 'entity.name.tag'],
+  ]);
+});
+
 test('characters of tiles', () => {
   looks("world W {\n    tiles x tile x (2 * x) {\n        '}': wall; ''': \"a b\"\n        'S': spawn Slime as as_it_is\n    }\n    limit Slime 3\n}", [
     ['tiles', 'storage.type'], ['x', 'entity.name.namespace'], ['tile', 'variable.other'], ['x', 'keyword.control'], ['x', 'variable.other'],

@@ -17,18 +17,20 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use crate::compile::{Compilation, compile_constrained};
 use crate::corpus::{Comparison, Key, Record, Row, StoredRow, junit, summary, table};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::{Code, Severity};
 use crate::parallel::{self, TaskContext};
 use crate::source::SourceMap;
 
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
-use crate::cli::disk::{open, rows};
+use crate::cli::disk::{Disk, open, rows};
 use crate::cli::reach::question::{extra_constraint, query, recorded_settings};
 use crate::cli::refusal::Refusal;
-use crate::cli::report::{find_world, has_maps, load_constrained, plain_error};
+use crate::cli::report::{Loaded, find_world, has_maps, load_constrained, plain_error};
 use crate::cli::watches::interrupted;
 use files::{CsvFile, RecordFile};
 use level::{CorpusContext, Level, TaskResult};
@@ -49,13 +51,14 @@ pub(in crate::cli) fn is_corpus_run(args: &ReachArgs) -> bool {
 /// Searches for the targets in each level.
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     // A bad question is bad for all levels, so it is reported before any of them.
-    let Some(mut loaded) = load_constrained(&args.file, args.reading.of(None), extra_constraint(args))? else {
+    let Some((mut loaded, takes_levels)) = load_questions(args)? else {
         return Ok(Exit::Refused);
     };
     let asked = find_world(&loaded.program, &args.file, args.world.as_deref()).map_err(Refusal::of);
     let asked = asked.and_then(|world| {
         let query = query(args, &mut loaded, world)?;
-        Ok((world, query, levels(args, loaded.program.worlds[world].open.is_some())?))
+        let takes_levels = takes_levels || loaded.program.worlds[world].open.is_some();
+        Ok((world, query, levels(args, takes_levels)?))
     });
     let (world, query, levels) = match asked {
         Ok(asked) => asked,
@@ -86,6 +89,29 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
         record: &record,
     };
     Run { context, levels, files, started: Instant::now() }.go()
+}
+
+/// The program with its questions, and whether a level was needed for it. Without one the questions about instances
+/// that only levels have cannot be read: then the first level that can be read serves.
+fn load_questions(args: &ReachArgs) -> io::Result<Option<(Loaded, bool)>> {
+    let open = args.reading.of(None);
+    let is_compiled = args.file.extension().is_some_and(|extension| extension == "json");
+    if !is_compiled && !args.map.is_empty() {
+        let compiled = compile_constrained(&args.file, open, extra_constraint(args), &Disk);
+        let mut errors = compiled.diagnostics.iter().filter(|d| d.severity == Severity::Error);
+        if compiled.program.is_none() && errors.all(|d| d.code == Code::NoQuestion) {
+            // A level that is no level is a row of its own.
+            for level in levels(args, true).unwrap_or_default() {
+                let given = args.reading.of(level.path.as_deref());
+                let Compilation { sources, program, .. } =
+                    compile_constrained(&args.file, given, extra_constraint(args), &Disk);
+                if let Some(program) = program {
+                    return Ok(Some((Loaded { sources, program }, true)));
+                }
+            }
+        }
+    }
+    Ok(load_constrained(&args.file, open, extra_constraint(args))?.map(|loaded| (loaded, false)))
 }
 
 /// The files of a run.

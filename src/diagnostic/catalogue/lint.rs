@@ -229,6 +229,42 @@ impl Fact for UncarriedTag {
     }
 }
 
+/// A bound contact query for a tag that no instance can have.
+pub struct NoInstanceTouched {
+    /// The query.
+    pub at: Span,
+    /// The tag.
+    pub tag: String,
+    /// Whether tiles or `rect`s have it.
+    pub is_static: bool,
+    /// An entity that is called as the tag, and the tags of its colliders.
+    pub same: Option<(String, Vec<String>)>,
+    /// Entities that the query could find, each with a tag.
+    pub others: Vec<(String, String)>,
+}
+
+impl Fact for NoInstanceTouched {
+    fn into_diagnostic(self) -> Diagnostic {
+        let NoInstanceTouched { at, tag, is_static, same, others } = self;
+        let message = format!("no instance carries the tag `{tag}`, and only an instance has a name by `as`");
+        let d = Diagnostic::new(Code::UncarriedTag, message)
+            .at(at, if is_static { "only tiles and `rect`s have it: this never holds" } else { "this never holds" })
+            .note("tiles and `rect`s are no instances: they cannot be destroyed, read or kept in a reference");
+        if let Some((entity, tags)) = same {
+            let quoted: Vec<String> = tags.iter().map(|tag| format!("`{tag}`")).collect();
+            let noun = if tags.len() == 1 { "the tag" } else { "the tags" };
+            return d.help(format!("`{entity}` is an entity; its colliders have {noun} {}", list(&quoted, "and")));
+        }
+        let known: Vec<String> = others.iter().map(|(entity, tag)| format!("`{entity}` by `{tag}`")).collect();
+        let known = if known.is_empty() { String::new() } else { format!("; it can touch {}", list(&known, "and")) };
+        let collider = super::world::as_tag(&tag);
+        d.help(format!(
+            "make it an entity with `collider {collider}: rect(0, 0, 16, 16)`, and write `'#': spawn ENTITY` for its \
+             tile{known}"
+        ))
+    }
+}
+
 /// A contact query that no `collide` line of a world can make true.
 pub struct UnpairedTouch {
     /// The query.

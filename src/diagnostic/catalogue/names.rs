@@ -49,6 +49,16 @@ impl UnknownName {
         }
     }
 
+    /// Whether the name could be that of an instance: it is nothing else.
+    pub fn may_be_instance(&self) -> bool {
+        matches!(self.kind, "instance" | "instance or space") && self.suggestion.is_none()
+    }
+
+    /// The nearest name.
+    pub fn near(&self) -> Option<&str> {
+        self.near.as_ref().map(|(name, _)| name.as_str())
+    }
+
     /// Sets the name that is certainly meant, if there is one: then similar names do not matter.
     #[must_use]
     pub fn meaning(mut self, name: Option<&str>) -> Self {

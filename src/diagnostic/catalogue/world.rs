@@ -243,6 +243,43 @@ impl Fact for BadLegend {
     }
 }
 
+/// Maximum number of names in a message about missing ones.
+const MAX_NAMES: usize = 4;
+
+/// Names of instances that only the level of an open map can have, and no level is given.
+pub struct MissingLevel {
+    /// The first of them.
+    pub at: Span,
+    /// The names.
+    pub names: Vec<String>,
+    /// The world.
+    pub world: String,
+    /// The map.
+    pub map: Span,
+    /// One that is similar to a known name, and that name.
+    pub near: Option<(String, String)>,
+}
+
+impl Fact for MissingLevel {
+    fn into_diagnostic(self) -> Diagnostic {
+        let MissingLevel { at, names, world, map, near } = self;
+        let mut shown: Vec<String> = names.iter().take(MAX_NAMES).map(|name| format!("`{name}`")).collect();
+        if let Some(others @ 1..) = names.len().checked_sub(MAX_NAMES) {
+            shown.push(format!("{others} more"));
+        }
+        let listed = super::list(&shown, "and");
+        let is = if names.len() == 1 { "is no instance" } else { "are no instances" };
+        let help = match near {
+            Some((name, near)) => format!("give the level with `--map PATH`; if it has no `{name}`, write `{near}`"),
+            None => "give the level with `--map PATH`".to_string(),
+        };
+        Diagnostic::new(Code::NoQuestion, format!("the map of `{world}` is missing, and {listed} {is} without it"))
+            .at(at, "no instance of the program")
+            .and(map, "leaves the level to the command line")
+            .help(help)
+    }
+}
+
 /// A level of the command line, without the options that its map requires.
 pub struct UnreadLevel {
     /// The map.

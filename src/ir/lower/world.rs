@@ -1,8 +1,8 @@
 //! Lowers worlds: predicates, slots with their initial values, the layout.
 
 use crate::ir::{
-    Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Link, NeverId, Origin, Player, PlayerId, Predicate,
-    Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagSet, World, WorldSpans,
+    Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Limit, Link, NeverId, Origin, Player, PlayerId,
+    Predicate, Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagSet, World, WorldSpans,
 };
 use crate::sema::checked;
 
@@ -110,6 +110,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         slots,
         players,
         collide,
+        limits: w.limits.iter().map(|(entity, count)| Limit { entity: *entity, count: *count }).collect(),
         goals: predicates.goals,
         nevers: predicates.nevers,
         open: w.open,

@@ -9,7 +9,7 @@ use super::code::{Code, Facts, Owner};
 use super::{At, Checked, each, each_of, ensure, exists, finite, same, tags};
 
 pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &World) -> Checked {
-    let World { name: _, step, spaces, slots, players, collide, goals, nevers, open, layout } = world;
+    let World { name: _, step, spaces, slots, players, collide, limits, goals, nevers, open, layout } = world;
     let expr = |e| code.check(Owner::World(id), e, &mut Facts::new());
     ensure(step.numerator > 0 && step.denominator > 0, "a step takes time").at("step")?;
     ensure(slots.len() <= MAX_INSTANCES, "there are more than a state can number").at("slots")?;
@@ -40,6 +40,11 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
     each_of("collide", collide, |Collide { left, right, response: _ }| {
         tags(*left, program).at("left")?;
         tags(*right, program).at("right")
+    })?;
+    each_of("limits", limits, |limit| {
+        exists(limit.entity, &program.entities).at("entity")?;
+        let of_it = limits.iter().filter(|other| other.entity == limit.entity).count();
+        ensure(of_it == 1, "the entity has another one").at("entity")
     })?;
     each("goals", goals, |_, goal| expr(goal.holds).at("holds"))?;
     each("nevers", nevers, |_, never| expr(never.holds).at("holds"))?;

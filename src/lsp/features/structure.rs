@@ -355,7 +355,8 @@ impl Outline<'_> {
                 let named = kinds.kinds.iter().map(|k| {
                     let detail = tile_detail(&k.tags, k.spawn.as_ref());
                     let inside = self.instance(k.spawn.as_ref());
-                    self.symbol(&k.name, SymbolKind::Tile, k.name.span, Some(&detail), inside)
+                    let whole = k.spawn.as_ref().map_or(k.name.span, |spawn| k.name.span.to(spawn.whole));
+                    self.symbol(&k.name, SymbolKind::Tile, whole, Some(&detail), inside)
                 });
                 let inside: Vec<Symbol> = self.tiles(tiles).into_iter().chain(named).collect();
                 let (text, at) = name.map_or(("level", map.span), |name| (&*name.text, name.span));
@@ -371,7 +372,7 @@ impl Outline<'_> {
             let detail = tile_detail(&t.tags, t.spawn.as_ref());
             let name = format!("'{}'", t.symbol);
             let inside = self.instance(t.spawn.as_ref());
-            let last = t.tags.last().map(|tag| tag.span).or(t.spawn.as_ref().map(|s| s.span));
+            let last = t.tags.last().map(|tag| tag.span).or(t.spawn.as_ref().map(|s| s.whole));
             let whole = t.symbol_span.to(last.unwrap_or(t.symbol_span));
             self.symbol_at(&name, t.symbol_span, SymbolKind::Tile, whole, Some(&detail), inside)
         };

@@ -18,7 +18,7 @@ pub(in crate::lsp) enum Block {
     World,
     Tiles,
     Space,
-    /// The settings of a `place`.
+    /// The settings of a `place`, or of a tile that spawns.
     Settings,
     /// The meanings of the names and characters of a level.
     Kinds,
@@ -229,6 +229,7 @@ fn block_of_head<'t>(head: &[&'t str], outer: Option<Block>) -> (Block, &'t str)
         ("space", Some(Block::World)) => (Block::Space, word(1)),
         ("place", Some(Block::Space)) => (Block::Settings, word(3)),
         ("map", Some(Block::Space)) => (Block::Kinds, ""),
+        (_, Some(Block::Tiles | Block::Kinds)) if head.contains(&"spawn") => (Block::Settings, after("spawn")),
         _ => (Block::Other, ""),
     }
 }

@@ -61,12 +61,13 @@
 
 (defconst hyped--functions
   '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held" "released"
-    "touching" "timer" "entering" "exiting" "lost" "near" "inside"))
+    "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count"))
 
 ;; Each is (BLOCK PIECE...): the kind of the enclosing block, or `any', and the pieces of a pattern whose groups are
 ;; keywords.
 (defconst hyped--words
   '((any "\\_<\\(any\\)[ \t]+" free)
+    (any "\\_<\\(all\\)[ \t]+" free)
     (any operand "\\(touching\\)\\(?:[ \t]*\"\\|[ \t]+" tag "\\)")
     (members "\\_<\\(initial\\)[ \t]+\\(?:mode\\|when\\)\\_>")
     (members "\\_<\\(always\\)[ \t\n]*{")

@@ -275,7 +275,7 @@ module.exports = grammar({
       seq('touching', $.tag),
     )),
     call: $ => seq(
-      field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp', 'any'), $.identifier))),
+      field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp', 'any', 'all'), $.identifier))),
       '(',
       optional(commas($.expression)),
       ')',
@@ -283,7 +283,7 @@ module.exports = grammar({
     ),
     binding: $ => seq('as', field('name', $.identifier)),
     in_mode: $ => seq('in', field('mode', $.path)),
-    any_instance: $ => seq('any', field('entity', $.identifier)),
+    any_instance: $ => seq(choice('any', 'all'), field('entity', $.identifier)),
     timer: _ => 'timer',
     true: _ => 'true',
     false: _ => 'false',
@@ -295,7 +295,7 @@ module.exports = grammar({
 
     identifier: _ => /[\p{XID_Start}_]\p{XID_Continue}*/u,
     path: $ => seq(
-      choice($.identifier, alias('any', $.identifier)),
+      choice($.identifier, alias(choice('any', 'all'), $.identifier)),
       repeat(seq(token.immediate('.'), $.identifier)),
       optional($.primes),
     ),

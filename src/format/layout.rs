@@ -392,7 +392,8 @@ fn slot(rule: Rule) -> Slot {
         | Rule::kw_timer
         | Rule::kw_not
         | Rule::kw_in
-        | Rule::word_any => Slot::Value,
+        | Rule::word_any
+        | Rule::word_all => Slot::Value,
         _ => Slot::Mark(rule),
     }
 }

@@ -83,7 +83,8 @@ pub(super) fn same(a: &Term, b: &Term) -> bool {
         (TermKind::Negate(_), TermKind::Negate(_))
         | (TermKind::Not(_), TermKind::Not(_))
         | (TermKind::And(..), TermKind::And(..))
-        | (TermKind::Or(..), TermKind::Or(..)) => inside(a, b),
+        | (TermKind::Or(..), TermKind::Or(..))
+        | (TermKind::Count(..), TermKind::Count(..)) => inside(a, b),
         (TermKind::Arithmetic(f, ..), TermKind::Arithmetic(g, ..)) => f == g && inside(a, b),
         (TermKind::Compare(f, ..), TermKind::Compare(g, ..)) => f == g && inside(a, b),
         (TermKind::Call(f), TermKind::Call(g)) => f.0 == g.0 && inside(a, b),

@@ -17,7 +17,7 @@ use super::names::unknown;
 /// The names of all functions and of the atoms of guards.
 pub(crate) const FUNCTIONS: &[&str] = &[
     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "mod", "if",
-    "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside",
+    "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "count",
 ];
 
 impl Checker<'_> {
@@ -125,6 +125,7 @@ impl Checker<'_> {
                 return make(TermKind::Timer(mode), Type::Real);
             }
             "near" => return self.near(arguments, span, scope, wrong),
+            "count" => return self.count(arguments, span, scope, wrong),
             "inside" => {
                 let [subject, space] = arguments else {
                     wrong(self, "`inside(instance, space)`");

@@ -104,6 +104,7 @@ impl Term {
             | TermKind::Or(sides) => sides.as_slice(),
             TermKind::Call(call) => &call.1,
             TermKind::Near(asked) => &asked.1,
+            TermKind::Count(of) => of,
             _ => &[],
         }
     }
@@ -176,6 +177,9 @@ pub enum TermKind {
     InSpace(Subject, SpaceId),
     /// The Euclidean distance of the position to a point is at most a radius: the point and the radius, px.
     Near(Box<(Subject, [Term; 3])>),
+    /// The number of truth values that hold: of the instances of a world, each asked whether it lives as well.
+    #[allow(clippy::box_collection, reason = "terms are small, and there are many")]
+    Count(Box<Vec<Term>>),
 }
 
 /// A contact of a collider tagged `mine` (any if none) with something tagged `other`, on a side of mine.
@@ -231,7 +235,7 @@ pub struct Entity {
     /// Predicates that must always hold.
     pub invariants: Vec<Term>,
     /// Named conditions, which their uses have replaced.
-    pub conditions: Vec<Condition>,
+    pub conditions: Box<[Condition]>,
     /// The groups in the order of decision: a group comes after those that its guards depend on.
     pub order: Vec<GroupId>,
 }

@@ -34,7 +34,7 @@ pub struct World {
     /// What must not happen.
     pub nevers: IdVec<NeverId, Question>,
     /// Named conditions, which their uses have replaced.
-    pub conditions: Vec<Condition>,
+    pub conditions: Box<[Condition]>,
     /// The space whose map the command line must provide.
     pub open: Option<SpaceId>,
     /// The whole.

@@ -92,7 +92,8 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Consta
         | TermKind::Touching(_)
         | TermKind::InMode(..)
         | TermKind::InSpace(..)
-        | TermKind::Near(_) => return Err(unknown),
+        | TermKind::Near(_)
+        | TermKind::Count(_) => return Err(unknown),
     };
     if result.is_finite() { Ok(result) } else { Err(ConstantError::NotFinite(term.span)) }
 }

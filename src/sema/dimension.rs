@@ -440,6 +440,12 @@ impl Solver<'_> {
                 self.dimension(a, context);
                 None
             }
+            TermKind::Count(of) => {
+                for term in of.iter() {
+                    self.dimension(term, context);
+                }
+                Some(Dim::known(0, 0))
+            }
             TermKind::Near(asked) => {
                 for term in &asked.1 {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);

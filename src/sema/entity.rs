@@ -105,7 +105,7 @@ impl Checker<'_> {
             drives: Vec::new(),
             clamps: Vec::new(),
             invariants: Vec::new(),
-            conditions: Vec::new(),
+            conditions: Box::default(),
             order: Vec::new(),
         };
         let mut body = PendingBody { members: Vec::new(), modes: Boxes::new() };
@@ -480,7 +480,7 @@ impl Checker<'_> {
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
         entity.order = self.group_order(&entity);
-        entity.conditions = self.take_conditions(&scope);
+        entity.conditions = self.take_conditions(&scope).into();
         entity.bound = std::mem::take(&mut self.facts.bound).into();
         entity
     }

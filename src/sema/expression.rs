@@ -206,7 +206,7 @@ impl Checker<'_> {
     }
 
     /// The names of the modes of another entity.
-    fn mode_names(&mut self, entity: EntityId) -> Rc<ModeNames> {
+    pub(super) fn mode_names(&mut self, entity: EntityId) -> Rc<ModeNames> {
         let of = &self.checked.entities[entity];
         Rc::clone(self.mode_names.entry(entity).or_insert_with(|| Rc::new(ModeNames::of(of))))
     }
@@ -286,6 +286,9 @@ impl Checker<'_> {
             ExprKind::Chain(chain) => self.comparison(&chain.0, &chain.1, e.span, scope),
             ExprKind::In(operands) if scope.entity.is_some() => {
                 let (subject, path) = &**operands;
+                if matches!(subject.kind, ExprKind::Any(_) | ExprKind::All(_)) {
+                    return self.allow(None, e.span, scope, ReadLimit::All, "this question about instances");
+                }
                 let (of, entity) = self.reference(subject, scope)?;
                 let Some(entity) = entity else {
                     self.of_any(subject.span, "whose modes could be asked");
@@ -327,6 +330,18 @@ impl Checker<'_> {
                 })
             }
             ExprKind::Any(entity) => self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true))),
+            ExprKind::All(entity) => {
+                let world = self.allow(scope.world, e.span, scope, ReadLimit::All, "`all`");
+                world.map(|_| {
+                    self.diagnostics.report(TypeMismatch {
+                        at: e.span,
+                        found: "all instances of an entity".into(),
+                        expected: "a question about them".into(),
+                        help: Some(format!("`all {0} in MODE` or `all {0} touching TAG` asks them", entity.text)),
+                    });
+                });
+                None
+            }
             ExprKind::NoneRef | ExprKind::SelfRef => self.reference_value(e, scope),
             ExprKind::Is(..) => {
                 self.diagnostics.report(Misplaced {

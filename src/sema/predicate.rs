@@ -8,7 +8,7 @@ use crate::syntax::ast::{Expr, ExprKind, Name, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Given, Term, TermKind, Type};
+use super::checked::{Given, Term, TermKind, Touching, Type};
 use super::expression::{ReadLimit, Scope};
 use super::names::{Candidate, unknown};
 
@@ -208,6 +208,9 @@ impl Checker<'_> {
         if let ExprKind::Any(entity) = &subject.kind {
             return self.any(entity, span, scope, make);
         }
+        if let ExprKind::All(entity) = &subject.kind {
+            return self.all(entity, span, scope, make);
+        }
         if scope.entity.is_some() {
             self.diagnostics.report(Misplaced {
                 at: span,
@@ -221,6 +224,36 @@ impl Checker<'_> {
         Some(while_alive(Term { kind: make(self, slot, entity)?, ty: Type::Bool, span }))
     }
 
+    /// `make` for each instance of an entity, and that the instance lives.
+    fn each(
+        &mut self,
+        name: &Name,
+        span: Span,
+        scope: &Scope<'_>,
+        what: &'static str,
+        make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
+    ) -> Option<Vec<Term>> {
+        let world = self.allow(scope.world, span, scope, ReadLimit::All, what)?;
+        let Some(entity) = self.entity_named(name) else {
+            let fact = unknown("entity", &name.text, name.span, self.entities.names());
+            self.report_unknown(fact);
+            return None;
+        };
+        let mut each = Vec::new();
+        for (slot, (_, of)) in world.instances.iter().enumerate() {
+            if *of == entity {
+                let slot = SlotId(slot as u32);
+                let alive = Term { kind: TermKind::Alive(slot), ty: Type::Bool, span };
+                let holds = Term { kind: make(self, slot, entity)?, ty: Type::Bool, span };
+                each.push(match holds.kind {
+                    TermKind::Bool(true) => alive,
+                    _ => Term { kind: TermKind::And(Box::new([alive, holds])), ty: Type::Bool, span },
+                });
+            }
+        }
+        Some(each)
+    }
+
     /// A disjunction of `make` over all instances of an entity.
     pub(super) fn any(
         &mut self,
@@ -229,24 +262,7 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
     ) -> Option<Term> {
-        let world = self.allow(scope.world, span, scope, ReadLimit::All, "`any`")?;
-        let Some(entity) = self.entity_named(name) else {
-            let fact = unknown("entity", &name.text, name.span, self.entities.names());
-            self.report_unknown(fact);
-            return None;
-        };
-        let mut some = Vec::new();
-        for (slot, (_, of)) in world.instances.iter().enumerate() {
-            if *of == entity {
-                let slot = SlotId(slot as u32);
-                let alive = Term { kind: TermKind::Alive(slot), ty: Type::Bool, span };
-                let holds = Term { kind: make(self, slot, entity)?, ty: Type::Bool, span };
-                some.push(match holds.kind {
-                    TermKind::Bool(true) => alive,
-                    _ => Term { kind: TermKind::And(Box::new([alive, holds])), ty: Type::Bool, span },
-                });
-            }
-        }
+        let mut some = self.each(name, span, scope, "`any`", make)?;
         // A balanced tree: thousands of instances must not nest thousands of levels deep.
         while some.len() > 1 {
             let mut halves = Vec::with_capacity(some.len().div_ceil(2));
@@ -260,6 +276,62 @@ impl Checker<'_> {
             some = halves;
         }
         Some(some.pop().unwrap_or(Term { kind: TermKind::Bool(false), ty: Type::Bool, span }))
+    }
+
+    /// `all Crate in on`: no living instance is without it.
+    fn all(
+        &mut self,
+        name: &Name,
+        span: Span,
+        scope: &Scope<'_>,
+        make: impl Fn(&mut Self, SlotId, EntityId) -> Option<TermKind>,
+    ) -> Option<Term> {
+        let without = |this: &mut Self, slot, entity| {
+            let holds = Term { kind: make(this, slot, entity)?, ty: Type::Bool, span };
+            Some(TermKind::Not(Box::new(holds)))
+        };
+        let some = self.any(name, span, scope, without)?;
+        Some(Term { kind: TermKind::Not(Box::new(some)), ty: Type::Bool, span })
+    }
+
+    /// `count(Crate)`, `count(Crate in on)`, `count(Crate touching water)`
+    pub(super) fn count(
+        &mut self,
+        arguments: &[Expr],
+        span: Span,
+        scope: &Scope<'_>,
+        wrong: impl Fn(&mut Self, &'static str),
+    ) -> Option<Term> {
+        const FORMS: &str = "`count(ENTITY)`, `count(ENTITY in MODE)` or `count(ENTITY touching TAG)`";
+        let [of] = arguments else {
+            wrong(self, FORMS);
+            return None;
+        };
+        let subject = match &of.kind {
+            ExprKind::In(operands) => &operands.0,
+            ExprKind::Touching(operands) => &operands.0,
+            _ => of,
+        };
+        let Some(entity) = subject.name() else {
+            wrong(self, FORMS);
+            return None;
+        };
+        let each = match &of.kind {
+            ExprKind::In(operands) => self.each(&entity, span, scope, "`count`", |this, slot, entity| {
+                let names = this.mode_names(entity);
+                let mode = this.mode_named(&names, &operands.1.view(), None)?;
+                Some(TermKind::InMode(Subject::Slot(slot), mode))
+            }),
+            ExprKind::Touching(operands) => {
+                let other = self.tag(&operands.1);
+                self.each(&entity, span, scope, "`count`", |_, slot, _| {
+                    let of = Subject::Slot(slot);
+                    Some(TermKind::Touching(Box::new(Touching { of, mine: None, other, side: None, bound: None })))
+                })
+            }
+            _ => self.each(&entity, span, scope, "`count`", |_, _, _| Some(TermKind::Bool(true))),
+        }?;
+        Some(Term { kind: TermKind::Count(Box::new(each)), ty: Type::Int, span })
     }
 }
 
@@ -284,6 +356,8 @@ fn read_slots(term: &Term, out: &mut Vec<SlotId>) {
         }
     };
     match &term.kind {
+        // It asks itself which of them live.
+        TermKind::Count(_) => return,
         TermKind::Var(of, ..)
         | TermKind::Discrete(of, _)
         | TermKind::Param(of, _)

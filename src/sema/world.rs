@@ -46,7 +46,7 @@ impl Checker<'_> {
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
-            conditions: Vec::new(),
+            conditions: Box::default(),
             open: None,
             span: syntax.span,
         };
@@ -146,7 +146,7 @@ impl Checker<'_> {
                 }
             }
         }
-        world.conditions = self.take_conditions(&scope);
+        world.conditions = self.take_conditions(&scope).into();
         self.awaited_instances(&world);
         self.checked.worlds.push(world);
     }

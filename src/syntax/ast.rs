@@ -535,6 +535,8 @@ pub enum ExprKind {
     InMode(Box<Path>),
     /// `any Entity`
     Any(Box<Name>),
+    /// `all Entity`
+    All(Box<Name>),
     /// `(a, b)`
     Point(Box<[Expr; 2]>),
     /// `(a)`

@@ -139,7 +139,11 @@ impl Builder<'_> {
             Rule::text => ExprKind::Text(self.name(pair).text.into()),
             Rule::path => self.path(pair)?.into(),
             Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?.into()),
-            Rule::any_instance => ExprKind::Any(self.name(inner.last()?).into()),
+            Rule::any_instance => {
+                let entity = self.name(inner.last()?).into();
+                let is_all = pair.clone().into_inner().any(|p| p.as_rule() == Rule::word_all);
+                if is_all { ExprKind::All(entity) } else { ExprKind::Any(entity) }
+            }
             Rule::call => {
                 let mut arguments = Vec::with_capacity(inner.len().saturating_sub(1));
                 let mut binding = None;

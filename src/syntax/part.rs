@@ -133,6 +133,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_rect
             | R::word_bounds
             | R::word_any
+            | R::word_all
             | R::word_touching
     )
 }

@@ -265,7 +265,7 @@ impl Substitution {
                 arguments.iter_mut().for_each(|a| self.expression(a, operators));
             }
             ExprKind::InMode(path) => self.path(path),
-            ExprKind::Any(name) => self.name(name),
+            ExprKind::Any(name) | ExprKind::All(name) => self.name(name),
             ExprKind::Point(both) => both.iter_mut().for_each(|e| self.expression(e, operators)),
             ExprKind::Paren(a) => self.expression(a, operators),
             ExprKind::Negate(a) | ExprKind::Not(a) => {

@@ -173,6 +173,7 @@ const WORDS: &[&str] = &[
     "none",
     "lost",
     "any",
+    "all",
     "true",
     "false",
     "int",

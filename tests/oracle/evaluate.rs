@@ -142,6 +142,13 @@ impl<'a> Code<'a> {
             TermKind::Alive(slot) => truth(self.slot(Subject::Slot(*slot)).is_some()),
             TermKind::InMode(of, mode) => truth(self.of(*of).is_ok_and(|thing| thing.is_in(*mode))),
             TermKind::InSpace(of, space) => truth(self.of(*of).is_ok_and(|thing| thing.space == space.0 as usize)),
+            TermKind::Count(of) => {
+                let mut count = 0.0;
+                for one in of.iter() {
+                    count += truth(self.holds(one)?);
+                }
+                count
+            }
             TermKind::Near(asked) => {
                 let (of, [x, y, radius]) = &**asked;
                 let (at, x, y, radius) =

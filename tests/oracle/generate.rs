@@ -542,7 +542,15 @@ impl Generator<'_> {
             9 => write!(out, "near({who}, ({}, {}), 8)", self.length(), self.length()),
             10 => write!(out, "{who}.x' {} 0", self.draw.one(&[">", "<", "=="])),
             11 if self.has_shot => write!(out, "any Shot"),
-            12 if self.has_shot => write!(out, "any Shot in {}", self.mode_of(Role::Shot)),
+            12 if self.has_shot => {
+                let mode = self.mode_of(Role::Shot);
+                match self.draw.pick(4) {
+                    0 => write!(out, "all Shot in {mode}"),
+                    1 => write!(out, "count(Shot) >= {}", 1 + self.draw.pick(2)),
+                    2 => write!(out, "count(Shot in {mode}) == 1"),
+                    _ => write!(out, "any Shot in {mode}"),
+                }
+            }
             13 if has_foe => write!(out, "near(hero, foe, 12)"),
             14 if has_cellar => write!(out, "inside({who}, cellar)"),
             _ => write!(out, "{who}.x == {}", self.length()),

@@ -468,7 +468,16 @@ impl Generator<'_> {
         let tag = self.draw.one(&["wall", "cloud", "\"thin ice\"", "a", "b", "c"]).to_string();
         let (x, y) = self.spot();
         let radius = self.draw.one(&["4", "0.5", "16", "0"]);
-        match self.draw.pick(16) {
+        match self.draw.pick(19) {
+            16 => format!("count({any_name}) {op} {}", self.draw.pick(3)),
+            17 => match self.mode_of(any) {
+                Some(mode) => format!("count({any_name} in {mode}) {op} {}", self.draw.pick(3)),
+                None => format!("count({any_name} touching {tag}) {op} {}", self.draw.pick(3)),
+            },
+            18 => match self.mode_of(any).filter(|_| self.draw.chance(60)) {
+                Some(mode) => format!("all {any_name} in {mode}"),
+                None => format!("all {any_name} touching {tag}"),
+            },
             15 if self.arena.is_mapped() => format!("main.width > {}", self.number(Dim::Length)),
             0 | 1 => {
                 let variable = self.draw.one(&["x", "y"]);

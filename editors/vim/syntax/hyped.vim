@@ -19,8 +19,8 @@ syn keyword hypedConditional when if else
 syn keyword hypedStatement destroy invariant clamp
 syn keyword hypedStatement use spawn nextgroup=hypedType skipwhite
 syn match hypedFunction /\<\%(min\|max\|abs\|sign\|floor\|ceil\|round\|sqrt\|sin\|cos\|atan2\|mod\)\>\ze\s*(/
-syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\)\>\ze\s*(/
-syn match hypedOperatorWord /\<any\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\)\>\)\@!\K/ nextgroup=hypedType skipwhite
+syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\|count\)\>\ze\s*(/
+syn match hypedOperatorWord /\<\%(any\|all\)\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\)\>\)\@!\K/ nextgroup=hypedType skipwhite
 syn match hypedOperatorWord /\%([[:keyword:])']\s\+\)\@<=touching\>\ze\s*\%("\|\s\%(and\|or\|not\|in\|is\|as\|when\|mode\)\@!\K\)/
 syn match hypedType /\%(\%(self\|when\)\>\)\@!\<\K\k*/ contained
 syn match hypedPrimes /\k\@1<='\+/

@@ -24,7 +24,7 @@ const BEFORE_OPERAND = r`(?=\s+[\p{L}\p{N}_(-])`;
 /** A tag, and a name that is no keyword which can follow an operand. */
 const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|clamp)\b)${NAME}`;
 const FREE = r`(?!touching\b)${TAG}`;
-const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|clamp|if|timer';
+const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|count|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
 const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|condition|goal|never)\b`;
 
@@ -228,7 +228,7 @@ const repository = {
       between(r`(\()`, ['punctuation.section.parens.begin'], r`(\))|(?=[{}])`, ['punctuation.section.parens.end'], use('expression')),
       groups(r`(?<![\p{L}\p{N}_])(${NUMBER})(frames|ms|s)?(?![\p{L}\p{N}_])`, 'constant.numeric', 'keyword.other.unit'),
       groups(r`\b(${FUNCTIONS})(?=\s*\()`, 'support.function'),
-      groups(r`\b(any)\s+(${FREE})`, 'keyword.operator.word', 'entity.name.type'),
+      groups(r`\b(any|all)\s+(${FREE})`, 'keyword.operator.word', 'entity.name.type'),
       groups(r`${AFTER_OPERAND}(touching)\s+(${TAG})`, 'keyword.operator.word', 'entity.name.tag'),
       groups(r`${AFTER_OPERAND}(touching)\s*("[^"]*")`, 'keyword.operator.word', 'string.quoted.double.tag'),
       groups(r`\b(is)\s+(?!none\b)(${NAME})`, 'keyword.operator.word', 'entity.name.type'),

@@ -66,6 +66,12 @@ pub const SIGNATURES: &[Signature] = &[
         parameters: &["instance", "(x, y)", "radius"],
         doc: "The distance of the instance to a point, or to another instance, is at most the radius; px.",
     },
+    Signature {
+        name: "count",
+        parameters: &["entity"],
+        doc: "In a predicate: the number of living instances of an entity; with `in MODE` or `touching TAG`, of those for \
+              which that holds.",
+    },
     Signature { name: "inside", parameters: &["instance", "space"], doc: "The instance is in the space." },
     Signature {
         name: "rect",

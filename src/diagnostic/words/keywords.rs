@@ -250,6 +250,11 @@ pub const MEANINGS: &[Meaning] = &[
         "never crowd: any Slime in squashed",
     ),
     means(
+        "all",
+        "In a predicate: that it holds of every living instance of an entity.",
+        "goal solved: all Crate in placed",
+    ),
+    means(
         "touching",
         "In a predicate: whether an instance touches something with a tag.",
         "goal flag: hero touching flag",

@@ -7,7 +7,8 @@ use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use crate::ir::{
-    Arena, Entity, EntityId, Expr, ExprId, ModeId, Program, SlotId, Subject, TagSet, Timer, TimerId, Touch, TouchId,
+    Arena, Arithmetic, Entity, EntityId, Expr, ExprId, Function, ModeId, Program, SlotId, Subject, TagSet, Timer,
+    TimerId, Touch, TouchId,
 };
 
 /// The context in which a term is lowered: it determines the ids of its contact queries.
@@ -110,6 +111,7 @@ impl Program {
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
+            TermKind::Count(of) => return self.count(of, context, term.span),
             TermKind::Near(touching) => {
                 let (of, numbers) = touching.as_ref();
                 let [x, y, radius] = numbers.each_ref().map(|number| self.term(number, context));
@@ -117,6 +119,21 @@ impl Program {
             }
         };
         self.push(expr, term.span)
+    }
+
+    /// The number of truth values that hold, as a balanced sum: thousands must not nest thousands of levels deep.
+    fn count(&mut self, of: &[Term], context: &Context<'_>, span: Span) -> ExprId {
+        if let [half @ .., _] = of
+            && !half.is_empty()
+        {
+            let (a, b) = of.split_at(of.len() / 2);
+            let (a, b) = (self.count(a, context, span), self.count(b, context, span));
+            return self.push(Expr::Arithmetic(Arithmetic::Add, a, b), span);
+        }
+        let Some(only) = of.first() else { return self.push(Expr::Number(0.0), span) };
+        let holds = self.term(only, context);
+        let (one, zero) = (self.push(Expr::Number(1.0), span), self.push(Expr::Number(0.0), span));
+        self.push(Expr::Call(Function::If, [holds, one, zero]), span)
     }
 
     /// The id of a contact query of an entity.
@@ -194,7 +211,7 @@ pub(super) fn duration(
         checked::Rate::Over(time) => program.term(time, context),
         checked::Rate::Accel(a) => {
             let a = program.term(a, context);
-            program.push(Expr::Arithmetic(crate::ir::Arithmetic::Divide, distance, a), span)
+            program.push(Expr::Arithmetic(Arithmetic::Divide, distance, a), span)
         }
     }
 }
@@ -212,7 +229,7 @@ pub(super) fn rate(
         checked::Rate::Accel(a) => Some(program.term(a, context)),
         checked::Rate::Over(time) => {
             let time = program.term(time, context);
-            Some(program.push(Expr::Arithmetic(crate::ir::Arithmetic::Divide, distance, time), span))
+            Some(program.push(Expr::Arithmetic(Arithmetic::Divide, distance, time), span))
         }
     }
 }

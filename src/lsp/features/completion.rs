@@ -190,7 +190,8 @@ impl CompletionCollector<'_> {
                 let refers = own.and_then(|e| e.refs.iter().find(|r| r.name.text == before)?.entity);
                 let referred = refers.and_then(|id| self.checked().next()?.entities.get(id)).map(|e| &**e);
                 // `any Slime in`
-                let any = world.filter(|_| cursor.previous(3) == "any").and_then(|_| self.entity(before));
+                let any =
+                    world.filter(|_| matches!(cursor.previous(3), "any" | "all")).and_then(|_| self.entity(before));
                 subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
             }
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => {
@@ -207,7 +208,7 @@ impl CompletionCollector<'_> {
                 self.entities();
                 self.words(&["none"]);
             }
-            ("any" | "spawn" | "limit", _) => self.entities(),
+            ("any" | "all" | "spawn" | "limit", _) => self.entities(),
             (":", "place") => self.entities(),
             (":", "ref") => {
                 self.entities();
@@ -340,13 +341,13 @@ impl CompletionCollector<'_> {
         if in_world {
             self.instances(world);
             world.into_iter().for_each(|world| self.conditions(&world.conditions, None, &[]));
-            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside"));
-            self.words(&["any", "in", "touching", "and", "or", "not", "true", "false"]);
+            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside" | "count"));
+            self.words(&["any", "all", "in", "touching", "and", "or", "not", "true", "false"]);
         } else if is_fixed {
             self.functions(is_arithmetic);
             self.words(&["and", "or", "not", "true", "false"]);
         } else {
-            self.functions(|name| !matches!(name, "near" | "inside" | "rect" | "circle"));
+            self.functions(|name| !matches!(name, "near" | "inside" | "count" | "rect" | "circle"));
             self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);
         }
     }
@@ -355,7 +356,7 @@ impl CompletionCollector<'_> {
 /// Whether a function depends only on its arguments.
 fn is_arithmetic(name: &str) -> bool {
     let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
-    !reads.contains(&name) && !matches!(name, "near" | "inside" | "rect" | "circle")
+    !reads.contains(&name) && !matches!(name, "near" | "inside" | "count" | "rect" | "circle")
 }
 
 /// The path by which one program imports another.

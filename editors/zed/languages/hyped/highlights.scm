@@ -48,7 +48,7 @@
 ((call function: (identifier) @function.builtin)
   (#any-of? @function.builtin
     "min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held"
-    "released" "touching" "timer" "entering" "exiting" "lost" "near" "inside"))
+    "released" "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count"))
 (timer) @variable.builtin
 (self) @variable.builtin
 
@@ -87,7 +87,7 @@
 [(instant) (hold)] @keyword
 ["block" "sense" "keep" "velocity" "carry" "bounce"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
-["and" "or" "not" "in" "is" "as" "any" "touching"] @keyword.operator
+["and" "or" "not" "in" "is" "as" "any" "all" "touching"] @keyword.operator
 
 ; ---- signs
 

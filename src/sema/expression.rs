@@ -331,14 +331,12 @@ impl Checker<'_> {
             }
             ExprKind::Any(entity) => self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true))),
             ExprKind::All(entity) => {
-                let world = self.allow(scope.world, e.span, scope, ReadLimit::All, "`all`");
-                world.map(|_| {
-                    self.diagnostics.report(TypeMismatch {
-                        at: e.span,
-                        found: "all instances of an entity".into(),
-                        expected: "a question about them".into(),
-                        help: Some(format!("`all {0} in MODE` or `all {0} touching TAG` asks them", entity.text)),
-                    });
+                self.allow(scope.world, e.span, scope, ReadLimit::All, "`all`")?;
+                self.diagnostics.report(TypeMismatch {
+                    at: e.span,
+                    found: "all instances of an entity".into(),
+                    expected: "a question about them".into(),
+                    help: Some(format!("`all {0} in MODE` or `all {0} touching TAG` asks them", entity.text)),
                 });
                 None
             }

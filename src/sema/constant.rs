@@ -29,7 +29,7 @@ pub enum ConstantError {
 }
 
 /// The constants that every program has, unless it declares others of these names.
-pub(super) const KNOWN_CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("tau", std::f64::consts::TAU)];
+pub(crate) const KNOWN_CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("tau", std::f64::consts::TAU)];
 
 /// The value of a term; truth values are 0 and 1.
 ///

@@ -48,6 +48,8 @@ use crate::syntax::{MAX_OPERATORS, ast};
 pub(crate) use call::FUNCTIONS;
 use checked::Checked;
 use checked::SetId;
+#[cfg(feature = "lsp")]
+pub(crate) use constant::KNOWN_CONSTANTS;
 pub use constant::{ConstantContext, ConstantError, evaluate};
 pub(crate) use foreign::side as side_meant;
 use names::Table;

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Component, Path};
 
+use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
 use crate::syntax::occurrence::NameKind;
 
@@ -338,6 +339,9 @@ impl CompletionCollector<'_> {
             self.declared_after(from, &kinds);
         }
         self.names_of_kind(NameKind::Constant);
+        for (name, value) in KNOWN_CONSTANTS {
+            self.add(1, name, CompletionKind::Constant, &format!("{value:.6}, unless the program declares it"));
+        }
         if in_world {
             self.instances(world);
             world.into_iter().for_each(|world| self.conditions(&world.conditions, None, &[]));

@@ -1,5 +1,5 @@
 //! The measured tables of `docs/benchmarks.md`: `cargo bench --bench book` measures them and writes them into the page, each
-//! between its comments `<!-- measured: NAME -->` and `<!-- end -->`. It takes about a quarter of an hour.
+//! between its comments `<!-- measured: NAME -->` and `<!-- end -->`. It takes about half an hour.
 //!
 //! `cargo bench --bench book -- paper levels` measures only the tables that are named. Runs are one at a time; seconds are
 //! CPU time, those of levels seconds on the clock. Without `--bench` nothing is measured.

@@ -29,7 +29,18 @@ pub(super) struct Population {
     pub references: Vec<(SlotId, RefId, Name)>,
     /// Number of unnamed slots of each entity.
     unnamed: BTreeMap<EntityId, usize>,
+    /// The tiles with a name, by the span of it: a name is of one instance of the world.
+    named_tiles: BTreeMap<Span, NamedTile>,
     full: bool,
+}
+
+/// A tile that spawns an instance with a name.
+struct NamedTile {
+    name: Name,
+    symbol: char,
+    count: u64,
+    /// The map in which it was found last, or the first one that could have it.
+    map: Span,
 }
 
 impl Population {
@@ -40,6 +51,7 @@ impl Population {
             names: Table::new("instance"),
             references: Vec::new(),
             unnamed: BTreeMap::new(),
+            named_tiles: BTreeMap::new(),
             full: false,
         }
     }
@@ -89,7 +101,6 @@ impl Checker<'_> {
         at: Span,
         population: &mut Population,
     ) {
-        let mut counts = vec![0u64; set.spawns.len()];
         let entities: Vec<Option<EntityId>> = set
             .spawns
             .iter()
@@ -116,21 +127,29 @@ impl Checker<'_> {
             }
             return;
         };
+        for (spawn, tile) in set.spawns.iter().zip(&set.tiles) {
+            if let Some(name) = spawn.and_then(|s| s.name.as_ref()) {
+                let unseen = NamedTile { name: name.clone(), symbol: tile.symbol, count: 0, map: at };
+                population.named_tiles.entry(name.span).or_insert(unseen);
+            }
+        }
         for row in (0..map.rows).rev() {
             for column in 0..map.columns {
                 let Some(kind) = map.kind(column as i64, row as i64) else { continue };
                 let (Some(&Some(spawn)), Some(&Some(entity))) = (set.spawns.get(kind), entities.get(kind)) else {
                     continue;
                 };
-                counts[kind] += 1;
-                let (name, origin) = match &spawn.name {
-                    Some(name) if counts[kind] > 1 => (
-                        Name { text: format!("{}#{}", name.text, counts[kind]).into(), span: name.span },
-                        Origin::Named,
-                    ),
-                    Some(name) => {
-                        population.names.declare(name, (), &mut self.diagnostics);
-                        (name.clone(), Origin::Named)
+                let seen = spawn.name.as_ref().and_then(|name| population.named_tiles.get_mut(&name.span));
+                let (name, origin) = match seen {
+                    Some(tile) => {
+                        tile.count += 1;
+                        tile.map = at;
+                        let (name, count) = (tile.name.clone(), tile.count);
+                        let text = if count > 1 { format!("{}#{count}", name.text).into() } else { name.text.clone() };
+                        if count == 1 {
+                            population.names.declare(&name, (), &mut self.diagnostics);
+                        }
+                        (Name { text, span: name.span }, Origin::Named)
                     }
                     None => (self.unnamed(population, entity, spawn.span), Origin::Tile),
                 };
@@ -138,20 +157,18 @@ impl Checker<'_> {
                 self.spawned_by_tile(spawn, entity, (name, origin), (id, position), population);
             }
         }
-        for (kind, spawn) in set.spawns.iter().enumerate() {
-            if let Some(name) = spawn.and_then(|s| s.name.as_ref())
-                && counts[kind] != 1
-            {
-                self.diagnostics.report(TileInstances {
-                    at: name.span,
-                    name: name.text.to_string(),
-                    tile: set.tiles[kind].symbol.to_string(),
-                    count: counts[kind],
-                    map: at,
-                });
-                if counts[kind] == 0 {
-                    self.poisoned_names.insert(name.text.to_string());
-                }
+    }
+
+    /// Reports names of tiles that are not in the maps of the world exactly once.
+    pub(super) fn named_tiles(&mut self, population: &mut Population) {
+        for (_, NamedTile { name, symbol, count, map }) in std::mem::take(&mut population.named_tiles) {
+            if count == 1 {
+                continue;
+            }
+            let (text, tile) = (name.text.to_string(), symbol.to_string());
+            self.diagnostics.report(TileInstances { at: name.span, name: text, tile, count, map });
+            if count == 0 {
+                self.poisoned_names.insert(name.text.to_string());
             }
         }
     }

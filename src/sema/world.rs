@@ -118,6 +118,7 @@ impl Checker<'_> {
             let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
+        self.named_tiles(&mut population);
         world.limits = self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;

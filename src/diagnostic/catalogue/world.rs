@@ -218,12 +218,14 @@ pub struct TileInstances {
 impl Fact for TileInstances {
     fn into_diagnostic(self) -> Diagnostic {
         let TileInstances { at, name, tile, count, map } = self;
-        let message =
-            format!("the tile `{tile}` occurs {count} times in the map, so `{name}` names no single instance");
+        let message = format!("the tile `{tile}` occurs {count} times, so `{name}` names no single instance");
         Diagnostic::new(Code::TileInstances, message)
             .at(at, "needs exactly one such tile")
-            .and(map, format!("{count} times here"))
-            .help("leave out `as`, or use a tile of its own")
+            .and(map, if count == 0 { "not in this map" } else { "in this map" })
+            .help(match count {
+                0 => "put the tile into a map, or `place` the instance",
+                _ => "leave out `as`, or use a tile of its own",
+            })
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::Rule;
 use super::likely_fix::{Failure, LikelyFix, word};
+use super::word::is_reserved;
 
 /// The most likely fix of a form that the language writes differently.
 pub(super) fn foreign(failed: &Failure<'_>) -> Option<LikelyFix> {
@@ -21,6 +22,15 @@ pub(super) fn foreign(failed: &Failure<'_>) -> Option<LikelyFix> {
         .or_else(|| remainder(failed))
         .or_else(|| power(failed))
         .or_else(|| choice(failed))
+        .or_else(|| reserved(failed))
+}
+
+/// A word of the language where only a name can be.
+fn reserved(failed: &Failure<'_>) -> Option<LikelyFix> {
+    let is_name_expected = matches!(failed.expected, [only] if only == "a name");
+    let found = failed.found;
+    (is_name_expected && is_reserved(found))
+        .then(|| LikelyFix::new(format!("`{found}` is a word of the language and never a name; `{found}_` can be one")))
 }
 
 /// Whether a text begins with a name.

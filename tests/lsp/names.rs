@@ -122,6 +122,8 @@ world Pond {
 fn conditions_have_names() {
     let mut session = Session::new(&[]);
     session.open("frog.hyped", FROG);
+    // What a place says holds the findings there, which come when the analysis has ended.
+    session.client.settle();
     let places = ["leaps = on_fl|oor", "when lea|ps", "and wa|rm", "up: hi|gh", "when ti|red"];
     for place in places {
         session.ask_at("textDocument/definition", "frog.hyped", place, json!({}));

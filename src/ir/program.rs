@@ -140,7 +140,7 @@ pub enum Expr {
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Entity {
     /// Its name.
-    pub name: String,
+    pub name: Box<str>,
     /// Its documentation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doc: Option<Box<str>>,

@@ -61,7 +61,7 @@ fn shell(e: &checked::Entity) -> Entity {
         first: ExprId(0),
     });
     Entity {
-        name: e.name.text.to_string(),
+        name: (*e.name.text).into(),
         doc: e.doc.as_deref().map(Box::from),
         params: RareVec::new(),
         vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),

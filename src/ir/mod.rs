@@ -29,7 +29,7 @@ pub use arena::Arena;
 pub use arithmetic::{arithmetic, call, compare};
 pub use ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
-    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SlotId, SpaceId, SpawnId, TagId, TimerId,
+    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, ProbeId, RefId, SlotId, SpaceId, SpawnId, TagId, TimerId,
     TouchId, VarId, WorldId,
 };
 pub use json::{JSON_VERSION, NotAProgram};

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Spans;
 use super::{
     Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
-    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SlotId,
+    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side, SlotId,
     SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
@@ -105,6 +105,19 @@ pub enum Expr {
     Button(Press, ButtonId),
     /// A bit that the last collision phase set.
     Touching(Subject, TouchId),
+    /// A collider of the instance tagged `mine`, moved by (`x`, `y`), overlaps something tagged `other`.
+    Probe {
+        /// The tag of one's own collider.
+        mine: TagId,
+        /// The tag of what is there.
+        other: TagId,
+        /// The offset, px; it reads only the instance itself.
+        x: ExprId,
+        /// The offset, px.
+        y: ExprId,
+        /// Only instances count.
+        bound: bool,
+    },
     /// A mode of another group of the instance is entered (true) or left in this step.
     Joint(ModeId, bool),
     /// There is no such instance.
@@ -169,6 +182,8 @@ pub struct Entity {
     pub touches: RareVec<TouchId, Touch>,
     /// How many of them, the first ones, keep the instance that is touched.
     pub bound: usize,
+    /// The probes that name the instance that they find: expressions of the kind `probe`.
+    pub probes: RareVec<ProbeId, ExprId>,
     /// The modes whose time is read: one counter each.
     pub timers: RareVec<TimerId, Timer>,
     /// What is spawned on edges.

@@ -223,6 +223,9 @@ impl Checker<'_> {
     ) -> Option<Term> {
         const USAGE: &str =
             "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
+        if let [Expr { kind: ExprKind::Moved(moved), .. }, rest @ ..] = arguments {
+            return self.probe(moved, rest, binding, span, scope);
+        }
         self.allow(scope.entity, span, scope, ReadLimit::All, "`touching`")?;
         let mut words: Vec<Name> = Vec::new();
         for argument in arguments {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId,
+    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId,
     WorldId,
 };
 
@@ -104,6 +104,7 @@ impl Term {
             | TermKind::Or(sides) => sides.as_slice(),
             TermKind::Call(call) => &call.1,
             TermKind::Near(asked) => &asked.1,
+            TermKind::Probe(asked) => &asked.offset,
             TermKind::Count(of) => of,
             _ => &[],
         }
@@ -154,6 +155,8 @@ pub enum TermKind {
     Button(Press, ButtonId),
     /// A contact.
     Touching(Box<Touching>),
+    /// Whether a place is taken.
+    Probe(Box<Probe>),
     /// A mode of another group is entered (or exited) in this step.
     Joint {
         /// The mode.
@@ -197,6 +200,19 @@ pub struct Touching {
     pub bound: Option<TouchId>,
 }
 
+/// A collider tagged `mine`, moved by an offset, overlaps something tagged `other`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// The tag of the instance's own collider.
+    pub mine: TagId,
+    /// The tag of what is there.
+    pub other: TagId,
+    /// The offset along x and y, px.
+    pub offset: [Term; 2],
+    /// The bound probe (`as`); it matches only instances.
+    pub bound: Option<ProbeId>,
+}
+
 /// An entity.
 #[derive(Debug, Clone)]
 pub struct Entity {
@@ -214,6 +230,8 @@ pub struct Entity {
     pub refs: RareVec<RefId, Reference>,
     /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
+    /// Bound probes (`as`).
+    pub probes: RareVec<ProbeId, BoundProbe>,
     /// Buttons that it reads.
     pub buttons: RareVec<ButtonId, Name>,
     /// Axes that it reads.
@@ -274,6 +292,19 @@ pub struct BoundTouch {
     pub other: TagId,
     /// The side of the instance's own collider.
     pub side: Option<Side>,
+    /// Its place.
+    pub span: Span,
+}
+
+/// A probe bound by `as`.
+#[derive(Debug, Clone)]
+pub struct BoundProbe {
+    /// The tag of the instance's own collider.
+    pub mine: TagId,
+    /// The tag of the instance that is there.
+    pub other: TagId,
+    /// The offset along x and y, px.
+    pub offset: [Term; 2],
     /// Its place.
     pub span: Span,
 }

@@ -363,7 +363,7 @@ impl Solver<'_> {
             Subject::Me => context.me,
             Subject::Slot(slot) => Some((context.entity_of)(slot)),
             Subject::Ref(id) => context.me.and_then(|me| self.program.entities[me].refs[id].entity),
-            Subject::Touched(_) => None,
+            Subject::Touched(_) | Subject::Probed(_) => None,
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
@@ -448,6 +448,12 @@ impl Solver<'_> {
             }
             TermKind::Near(asked) => {
                 for term in &asked.1 {
+                    self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
+                }
+                None
+            }
+            TermKind::Probe(asked) => {
+                for term in &asked.offset {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
                 }
                 None

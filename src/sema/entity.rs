@@ -95,6 +95,7 @@ impl Checker<'_> {
             discretes: RareVec::new(),
             refs: RareVec::new(),
             bound: RareVec::new(),
+            probes: RareVec::new(),
             buttons: RareVec::new(),
             axes: RareVec::new(),
             colliders: RareVec::new(),
@@ -482,6 +483,7 @@ impl Checker<'_> {
         entity.order = self.group_order(&entity);
         entity.conditions = self.take_conditions(&scope).into();
         entity.bound = std::mem::take(&mut self.facts.bound).into();
+        entity.probes = std::mem::take(&mut self.facts.probes).into();
         entity
     }
 

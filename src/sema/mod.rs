@@ -27,6 +27,7 @@ mod operator;
 mod place;
 mod population;
 mod predicate;
+mod probe;
 mod record_uses;
 mod reference;
 mod unused;

@@ -19,6 +19,7 @@ mod input;
 mod instance;
 mod life;
 mod run;
+mod probe;
 mod saved;
 mod script;
 mod simulator;

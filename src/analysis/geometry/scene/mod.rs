@@ -337,11 +337,15 @@ fn collider_groups(program: &Program, entity: &Entity) -> Vec<bool> {
 }
 
 /// The groups whose leaves determine the flows of an entity: those that drive its variables, or all if a flow reads
-/// modes. `None` if a flow reads timers.
+/// modes. `None` if a flow reads timers. A probe reads what the colliders read.
 fn flow_groups(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
     let entity = &program.entities[entity];
     let mut asks_for_modes = false;
-    for id in program.with_operands(entity.flow_exprs()) {
+    let mut read = entity.flow_exprs();
+    if program.with_operands(read.clone()).iter().any(|id| matches!(program.exprs[*id], Expr::Probe { .. })) {
+        read.extend(entity.colliders.iter().flat_map(|c| c.shape.numbers().iter().copied().chain(c.guard)));
+    }
+    for id in program.with_operands(read) {
         match program.exprs[id] {
             Expr::Timer(_) => return None,
             Expr::InMode(..) | Expr::Joint(..) => asks_for_modes = true,

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::Spans;
 use super::{
     Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
-    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side, SlotId,
-    SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
+    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side,
+    SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
 /// A compiled program.
@@ -105,16 +105,14 @@ pub enum Expr {
     Button(Press, ButtonId),
     /// A bit that the last collision phase set.
     Touching(Subject, TouchId),
-    /// A collider of the instance tagged `mine`, moved by (`x`, `y`), overlaps something tagged `other`.
+    /// A collider of the instance tagged `mine`, moved by `offset`, overlaps something tagged `other`.
     Probe {
         /// The tag of one's own collider.
         mine: TagId,
         /// The tag of what is there.
         other: TagId,
-        /// The offset, px; it reads only the instance itself.
-        x: ExprId,
-        /// The offset, px.
-        y: ExprId,
+        /// Along x and y, px; it reads only the instance itself.
+        offset: [ExprId; 2],
         /// Only instances count.
         bound: bool,
     },

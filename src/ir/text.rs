@@ -360,7 +360,7 @@ fn expression<'a>(
             format!("{word}({})", me().buttons[button])
         }
         Expr::Touching(of, touch) => format!("{}{touch}", owner(of)),
-        Expr::Probe { mine, other, x, y, bound } => {
+        Expr::Probe { mine, other, offset: [x, y], bound } => {
             let kept = if bound { " as an instance" } else { "" };
             format!("touching({} at ({}, {}), {}){kept}", p.tags[mine], sub(x), sub(y), p.tags[other])
         }

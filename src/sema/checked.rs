@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId,
-    WorldId,
+    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId,
+    VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;

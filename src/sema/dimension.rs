@@ -446,14 +446,8 @@ impl Solver<'_> {
                 }
                 Some(Dim::known(0, 0))
             }
-            TermKind::Near(asked) => {
-                for term in &asked.1 {
-                    self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
-                }
-                None
-            }
-            TermKind::Probe(asked) => {
-                for term in &asked.offset {
+            TermKind::Near(_) | TermKind::Probe(_) => {
+                for term in term.operands() {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
                 }
                 None

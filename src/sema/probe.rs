@@ -1,7 +1,7 @@
 //! Probes: `touching(body at (16, 0), wall)` asks whether a place is free. The offset reads only what the instance itself
 //! has, so that the answer can be found again wherever the instance that it names is read.
 
-use crate::diagnostic::catalogue::types::{NotConstant, TypeMismatch, WrongArguments};
+use crate::diagnostic::catalogue::types::{ForeignOffset, TypeMismatch, WrongArguments};
 use crate::ir::Subject;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name};
@@ -25,14 +25,24 @@ impl Checker<'_> {
         let [collider, offset] = moved;
         let (mine, other) = match (tag(collider), rest) {
             (Some(mine), [other]) if tag(other).is_some() => (mine, tag(other)?),
-            (_, [_, _, ..]) => return self.wrong_probe(span, "only `touching(own tag at (x, y), tag)`: a place has no sides"),
-            _ => return self.wrong_probe(span, "`touching(own tag at (x, y), tag)`, such as `touching(body at (16, 0), wall)`"),
+            (_, [_, _, ..]) => {
+                return self.wrong_probe(
+                    span,
+                    "no side: the offset says where the place is, as in `touching(body at (0, -1), floor)`",
+                );
+            }
+            _ => {
+                return self.wrong_probe(
+                    span,
+                    "`touching(own tag at (x, y), tag)`, such as `touching(body at (16, 0), wall)`",
+                );
+            }
         };
         let ExprKind::Point(point) = &offset.kind else {
             self.diagnostics.report(TypeMismatch {
                 at: offset.span,
-                found: "no offset".into(),
-                expected: "an offset, two lengths in brackets such as `(16, 0)`".into(),
+                found: "a single value".into(),
+                expected: "an offset: two lengths in brackets, such as `(16, 0)`".into(),
                 help: None,
             });
             return None;
@@ -42,11 +52,7 @@ impl Checker<'_> {
         self.facts.bindable = bindable;
         let offset = [x?, y?];
         if let Some(at) = offset.iter().find_map(reads_more) {
-            self.diagnostics.report(NotConstant {
-                at,
-                what: "the offset of a probe",
-                may_read: "variables, parameters, modes, timers and inputs of the instance itself",
-            });
+            self.diagnostics.report(ForeignOffset { at });
             return None;
         }
         let (mine, other) = (self.tag(&mine), self.tag(&other));

@@ -3,8 +3,8 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, ProbeId, RefValue,
-    SlotId, SlotLayout, Subject, arithmetic, call, compare,
+    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, ProbeId,
+    RefValue, SlotId, SlotLayout, Subject, arithmetic, call, compare,
 };
 
 use super::actor::{Actor, Guard};
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
     /// What a probe finds.
     #[inline(never)]
     fn probe(&self, id: ExprId) -> Found {
-        let Expr::Probe { mine, other, x, y, bound } = *self.at(id) else { return Found::Nothing };
+        let Expr::Probe { mine, other, offset: [x, y], bound } = *self.at(id) else { return Found::Nothing };
         self.sim.probe(self, (mine, other), (self.number(x), self.number(y)), bound)
     }
 

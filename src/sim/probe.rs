@@ -139,12 +139,28 @@ impl Simulator {
         let (left, bottom) = (px + x, py + y);
         let round = body.shape.is_round();
         let space = body.layout.space(state).0;
-        Some(Rect { left, right: left + width, bottom, top: bottom + height, active: true, space, round, ..Rect::default() })
+        Some(Rect {
+            left,
+            right: left + width,
+            bottom,
+            top: bottom + height,
+            active: true,
+            space,
+            round,
+            ..Rect::default()
+        })
     }
 
     /// Whether a box overlaps a tile or a rectangle of its space that has a tag.
     fn overlaps_static(&self, rect: &Rect, asked: &Tagged) -> bool {
-        let of = |b: &Bounds| Rect { left: b.left, right: b.right, bottom: b.bottom, top: b.top, space: rect.space, ..*rect };
+        let of = |b: &Bounds| Rect {
+            left: b.left,
+            right: b.right,
+            bottom: b.bottom,
+            top: b.top,
+            space: rect.space,
+            ..*rect
+        };
         let fixed = |b: &Bounds| overlap(rect, &Rect { round: false, ..of(b) });
         if asked.rects[rect.space as usize].iter().any(fixed) {
             return true;

@@ -7,8 +7,8 @@ pub(in crate::analysis) mod narrowing;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
-    DiscreteId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, Subject, VarId,
-    World,
+    DiscreteId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, Subject,
+    VarId, World,
 };
 
 use crate::watch::Watch;
@@ -331,9 +331,8 @@ impl<'a> Analysis<'a> {
     pub fn run(&mut self) {
         // The guards of links read the instances of the world.
         let is_guarded = self.world.spaces.iter().any(|space| space.links.iter().any(|link| link.guard.is_some()));
-        let reads_others = |entity: &Entity| {
-            reads_others(self.program, entity) || (is_guarded && !entity.follows.is_empty())
-        };
+        let reads_others =
+            |entity: &Entity| reads_others(self.program, entity) || (is_guarded && !entity.follows.is_empty());
         let of: IdVec<EntityId, bool> = self.program.entities.iter().map(|entity| reads_others(entity)).collect();
         let reads_others: IdVec<SlotId, bool> = self.world.slots.iter().map(|slot| of[slot.entity]).collect();
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();

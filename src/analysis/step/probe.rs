@@ -50,19 +50,38 @@ struct Moved {
     is_sure: bool,
 }
 
+/// Where the lower-left corner of a box is if it overlaps another one: the ends along each axis.
+#[derive(Debug, Clone, Copy)]
+struct Overlap {
+    /// Between these it does for certain.
+    must: [(f64, f64); 2],
+    /// Outside of these it cannot.
+    can: [(f64, f64); 2],
+}
+
 /// Per axis, the positions of a lower-left corner.
 type Corner = [Interval; 2];
+
+/// What a probe looks at from the positions of a configuration.
+struct Look {
+    asked: Asked,
+    /// One's own colliders in each space that one can be in, with the static obstacles that they may overlap; none if
+    /// these are too many.
+    own: Vec<(SpaceId, Moved, Option<Vec<Overlap>>)>,
+    /// The colliders of instances with the tag.
+    there: Arc<[There]>,
+}
 
 impl Reader<'_> {
     /// Whether a probe can find something, and whether it can find nothing.
     pub(super) fn probe(&self, id: ExprId) -> Truth {
-        let (Some(asked), Some((_, at))) = (self.asked(id), self.me) else { return Truth::EITHER };
-        let own = self.moved(&asked);
+        let Some((_, at)) = self.me else { return Truth::EITHER };
+        let Some(look) = self.look(id, at) else { return Truth::EITHER };
         let [x, y] = [VarId::X, VarId::Y].map(|var| at.vars[var][0]);
         let mut out = Truth { can_hold: false, can_fail: false };
         for x in x.intervals() {
             for y in y.intervals() {
-                let here = self.probe_at(&asked, &own, [*x, *y], at);
+                let here = self.probe_at(&look, [*x, *y], at);
                 out = Truth { can_hold: out.can_hold || here.can_hold, can_fail: out.can_fail || here.can_fail };
             }
         }
@@ -72,21 +91,24 @@ impl Reader<'_> {
     /// Restricts the position by a probe with an outcome: per axis, to the pieces between the ends of obstacles that allow
     /// it.
     pub(super) fn refine_by_probe(&self, at: &mut Configuration, id: ExprId, holds: bool) -> bool {
-        let (Some(asked), Some((me, _))) = (self.asked(id), self.me) else { return true };
+        let Some((me, _)) = self.me else { return true };
         for axis in 0..2 {
+            let position = at.vars[VarId::XY[axis]][0];
+            if position.constant().is_some() {
+                continue;
+            }
             let known = at.clone();
             let reader = Reader { me: Some((me, &known)), ..*self };
-            let own = reader.moved(&asked);
+            let Some(look) = reader.look(id, &known) else { return true };
             let across = known.vars[VarId::XY[1 - axis]][0];
             let allows = |piece: &Interval| {
                 across.intervals().iter().any(|across| {
                     let place = if axis == 0 { [*piece, *across] } else { [*across, *piece] };
-                    let truth = reader.probe_at(&asked, &own, place, &known);
+                    let truth = reader.probe_at(&look, place, &known);
                     if holds { truth.can_hold } else { truth.can_fail }
                 })
             };
-            let position = known.vars[VarId::XY[axis]][0];
-            let Some(cuts) = reader.cuts(&asked, &own, axis, &known) else { continue };
+            let Some(cuts) = look.cuts(axis) else { continue };
             let mut kept = Vec::new();
             for interval in position.intervals() {
                 let mut low = interval.low;
@@ -104,9 +126,27 @@ impl Reader<'_> {
         !at.is_impossible()
     }
 
+    /// What a probe looks at; `None` of another expression, or at no positions.
+    fn look(&self, id: ExprId, at: &Configuration) -> Option<Look> {
+        let asked = self.asked(id)?;
+        let hulls = [at.vars[VarId::X][0].hull()?, at.vars[VarId::Y][0].hull()?];
+        let moved = self.moved(&asked);
+        let in_space = |space: &SpaceId| {
+            let space = *space;
+            moved.iter().map(move |moved| (space, *moved)).collect::<Vec<_>>()
+        };
+        let statics = |(space, moved): (SpaceId, Moved)| {
+            let near =
+                if asked.bound { Some(Vec::new()) } else { self.statics_near(space, &asked, &moved, moved.at(hulls)) };
+            (space, moved, near)
+        };
+        let own = at.spaces.iter().flat_map(in_space).map(statics).collect();
+        Some(Look { asked, own, there: self.tagged(&asked) })
+    }
+
     fn asked(&self, id: ExprId) -> Option<Asked> {
-        let Expr::Probe { mine, other, x, y, bound } = self.program.exprs[id] else { return None };
-        Some(Asked { mine: TagSet::of(mine), other: TagSet::of(other), tag: other, offset: [x, y], bound })
+        let Expr::Probe { mine, other, offset, bound } = self.program.exprs[id] else { return None };
+        Some(Asked { mine: TagSet::of(mine), other: TagSet::of(other), tag: other, offset, bound })
     }
 
     /// One's own colliders that a probe moves.
@@ -138,12 +178,12 @@ impl Reader<'_> {
     }
 
     /// The outcomes of a probe at some positions, an interval per axis.
-    fn probe_at(&self, asked: &Asked, own: &[Moved], place: Corner, at: &Configuration) -> Truth {
+    fn probe_at(&self, look: &Look, place: Corner, at: &Configuration) -> Truth {
         let mut out = Truth { can_hold: false, can_fail: false };
         for space in at.spaces.iter() {
             let mut here = Truth { can_hold: false, can_fail: true };
-            for moved in own {
-                let found = self.overlap_in(*space, asked, moved, moved.at(place));
+            for (_, moved, statics) in look.own.iter().filter(|(of, ..)| of == space) {
+                let found = self.overlap_in(*space, look, moved, statics.as_deref(), moved.at(place));
                 here.can_hold |= found.can_hold;
                 here.can_fail &= found.can_fail;
             }
@@ -154,39 +194,45 @@ impl Reader<'_> {
     }
 
     /// Whether a box in a space can overlap something with the tag of a probe, and whether it can overlap nothing; `corner`
-    /// are the positions of its lower-left corner.
-    fn overlap_in(&self, space: SpaceId, asked: &Asked, moved: &Moved, corner: Corner) -> Truth {
+    /// are the positions of its lower-left corner, `statics` what it may overlap of what never moves.
+    fn overlap_in(
+        &self,
+        space: SpaceId,
+        look: &Look,
+        moved: &Moved,
+        statics: Option<&[Overlap]>,
+        corner: Corner,
+    ) -> Truth {
+        let Some(statics) = statics else { return Truth::EITHER };
         let mut out = Truth { can_hold: false, can_fail: true };
-        if !asked.bound {
-            let Some(statics) = self.statics_near(space, asked, moved, corner) else { return Truth::EITHER };
-            out.can_hold = statics.iter().any(|b| moved.can_overlap(corner, b));
+        if !look.asked.bound {
+            out.can_hold = statics.iter().any(|there| there.can_be(corner));
             let mut pieces = MAX_PIECES;
-            out.can_fail = !(out.can_hold && moved.is_sure && moved.is_covered(corner, &statics, &mut pieces));
+            out.can_fail = !(out.can_hold && moved.is_sure && is_covered(corner, statics, &mut pieces));
         }
         let me = self.me.map(|(me, _)| me);
-        for there in self.tagged(asked).iter().filter(|there| Some(there.slot) != me) {
+        for there in look.there.iter().filter(|there| Some(there.slot) != me) {
             let spaces = &self.slots[there.slot].spaces;
             if !spaces.contains(&space) {
                 continue;
             }
-            let boxes = there.boxes();
-            out.can_hold |= boxes.clone().any(|b| moved.can_overlap(corner, &b));
-            let must = there.is_sure && spaces.len() == 1 && moved.is_sure;
-            out.can_fail &= !(must && there.at.iter().all(|at| at.hull().is_some()) && {
-                let mut boxes = boxes;
-                // A box between two positions is smaller than that at each of them: it is in all.
-                boxes.all(|b| b.left < b.right && b.bottom < b.top && moved.must_overlap(corner, &there.inner(&b)))
-            });
+            out.can_hold = out.can_hold || there.boxes().any(|b| moved.overlap(&b).can_be(corner));
+            if out.can_fail && there.is_sure && spaces.len() == 1 && moved.is_sure {
+                let mut boxes = there.boxes().peekable();
+                // What always lies between two positions is there at each of them.
+                out.can_fail =
+                    boxes.peek().is_none() || !boxes.all(|b| moved.overlap(&there.inner(&b)).must_be(corner));
+            }
         }
         out
     }
 
     /// The tiles and rectangles of a space with the tag that a box may overlap; `None` if they are too many.
-    fn statics_near(&self, space: SpaceId, asked: &Asked, moved: &Moved, corner: Corner) -> Option<Vec<Bounds>> {
+    fn statics_near(&self, space: SpaceId, asked: &Asked, moved: &Moved, corner: Corner) -> Option<Vec<Overlap>> {
         let space = &self.world.spaces[space];
-        let near = |b: &Bounds| moved.can_overlap(corner, b);
+        let near = |b: Bounds| Some(moved.overlap(&b)).filter(|there| there.can_be(corner));
         let rects = space.solids.iter().filter(|s| s.tags.meets(asked.other)).map(|s| s.bounds);
-        let mut out: Vec<Bounds> = rects.filter(near).take(MAX_OBSTACLES + 1).collect();
+        let mut out: Vec<Overlap> = rects.filter_map(near).take(MAX_OBSTACLES + 1).collect();
         let has = |kind: &usize, map: &crate::ir::TileMap<TagId>| {
             map.kinds.get(*kind).is_some_and(|kind| kind.tags.contains(&asked.tag))
         };
@@ -206,7 +252,7 @@ impl Reader<'_> {
                     if kind.is_some_and(|kind| has(&kind, map)) {
                         let (left, bottom) = (column as f64 * map.tile.0, row as f64 * map.tile.1);
                         let bounds = Bounds { left, right: left + map.tile.0, bottom, top: bottom + map.tile.1 };
-                        out.extend(Some(bounds).filter(near));
+                        out.extend(near(bounds));
                     }
                 }
             }
@@ -251,22 +297,27 @@ impl Reader<'_> {
         let at = [at[0].map(|i| i.map(|at| at + x)), at[1].map(|i| i.map(|at| at + y))];
         Some(There { slot, at, size: [width, height], is_sure })
     }
+}
 
-    /// Along an axis, the positions at which the outcome of a probe can change by static obstacles, in order; `None` if
-    /// there are too many.
-    fn cuts(&self, asked: &Asked, own: &[Moved], axis: usize, at: &Configuration) -> Option<Vec<f64>> {
-        let hulls = [at.vars[VarId::X][0].hull()?, at.vars[VarId::Y][0].hull()?];
+impl Look {
+    /// Along an axis, the positions at which the outcome can change by static obstacles, in order; `None` if there are too
+    /// many.
+    fn cuts(&self, axis: usize) -> Option<Vec<f64>> {
         let mut cuts = Vec::new();
-        for (space, moved) in at.spaces.iter().flat_map(|space| own.iter().map(move |moved| (space, moved))) {
-            for bounds in self.statics_near(*space, asked, moved, moved.at(hulls))? {
-                let must = moved.covering(&bounds)[axis];
-                let can = moved.meeting(&bounds)[axis];
-                let ends = [must.0 - moved.corner[axis].low, must.1 - moved.corner[axis].high];
-                let others = [can.0 - moved.corner[axis].high, can.1 - moved.corner[axis].low];
-                cuts.extend(ends.into_iter().chain(others).filter(|x| x.is_finite()));
-                if cuts.len() > 16 * MAX_PIECES {
-                    return None;
-                }
+        for (_, moved, statics) in &self.own {
+            for there in statics.as_ref()? {
+                let (must, can) = (there.must[axis], there.can[axis]);
+                let corner = moved.corner[axis];
+                // A little inside of what is certain, and outside of what is possible: sums are rounded.
+                let inside = [must.0 - corner.low, must.1 - corner.high];
+                let outside = [can.0 - corner.high, can.1 - corner.low];
+                let ends = [
+                    inside[0] + rounding(inside[0]),
+                    inside[1] - rounding(inside[1]),
+                    outside[0] - rounding(outside[0]),
+                    outside[1] + rounding(outside[1]),
+                ];
+                cuts.extend(ends.into_iter().filter(|x| x.is_finite()));
             }
         }
         cuts.sort_by(f64::total_cmp);
@@ -307,14 +358,9 @@ impl Moved {
         [place[0].plus(self.corner[0]), place[1].plus(self.corner[1])]
     }
 
-    /// Per axis, the ends between which its lower-left corner lies if it can overlap a box.
-    fn meeting(&self, b: &Bounds) -> [(f64, f64); 2] {
-        self.ends(b, |size| size.high, -1.0)
-    }
-
-    /// Per axis, the ends between which its lower-left corner lies if it surely overlaps a box.
-    fn covering(&self, b: &Bounds) -> [(f64, f64); 2] {
-        self.ends(b, |size| size.low, 1.0)
+    /// Where its lower-left corner is if it overlaps a box.
+    fn overlap(&self, b: &Bounds) -> Overlap {
+        Overlap { must: self.ends(b, |size| size.low, 1.0), can: self.ends(b, |size| size.high, -1.0) }
     }
 
     /// Per axis, the ends of its lower-left corner for a length; `sign` tells whether rounding errors narrow them.
@@ -327,39 +373,50 @@ impl Moved {
         };
         [along(0, (b.left, b.right)), along(1, (b.bottom, b.top))]
     }
+}
 
-    fn can_overlap(&self, corner: Corner, b: &Bounds) -> bool {
-        let ends = self.meeting(b);
-        (0..2).all(|axis| corner[axis].high >= ends[axis].0 && corner[axis].low <= ends[axis].1)
+impl Overlap {
+    fn can_be(&self, corner: Corner) -> bool {
+        let [x, y] = corner;
+        let [(left, right), (bottom, top)] = self.can;
+        x.high >= left && x.low <= right && y.high >= bottom && y.low <= top
     }
 
-    fn must_overlap(&self, corner: Corner, b: &Bounds) -> bool {
-        let ends = self.covering(b);
-        (0..2).all(|axis| ends[axis].0 <= corner[axis].low && corner[axis].high <= ends[axis].1)
+    fn must_be(&self, corner: Corner) -> bool {
+        let [x, y] = corner;
+        let [(left, right), (bottom, top)] = self.must;
+        left <= x.low && x.high <= right && bottom <= y.low && y.high <= top
     }
 
-    /// Whether it overlaps one of some boxes wherever its corner is: what one of them does not cover, others do.
-    fn is_covered(&self, corner: Corner, boxes: &[Bounds], pieces: &mut usize) -> bool {
-        if boxes.iter().any(|b| self.must_overlap(corner, b)) {
-            return true;
-        }
-        let part = |b: &Bounds| {
-            let ends = self.covering(b);
-            let within = |axis: usize| corner[axis].and(Interval { low: ends[axis].0, high: ends[axis].1 });
-            (ends[0].0 <= ends[0].1 && ends[1].0 <= ends[1].1).then_some([within(0)?, within(1)?])
+    /// The part of some positions where it must.
+    fn part(&self, corner: Corner) -> Option<Corner> {
+        let within = |axis: usize| {
+            let (low, high) = self.must[axis];
+            corner[axis].and(Interval { low, high }).filter(|_| low <= high)
         };
-        let size = |part: &Corner| (part[0].high - part[0].low) + (part[1].high - part[1].low);
-        let best = boxes.iter().filter_map(part).max_by(|a, b| size(a).total_cmp(&size(b)));
-        let Some([x, y]) = best else { return false };
-        let Some(left) = pieces.checked_sub(1) else { return false };
-        *pieces = left;
-        let [across, up] = corner;
-        let beside = [
-            (across.low < x.low, [Interval { low: across.low, high: x.low }, up]),
-            (x.high < across.high, [Interval { low: x.high, high: across.high }, up]),
-            (up.low < y.low, [x, Interval { low: up.low, high: y.low }]),
-            (y.high < up.high, [x, Interval { low: y.high, high: up.high }]),
-        ];
-        beside.into_iter().all(|(is_some, rest)| !is_some || self.is_covered(rest, boxes, pieces))
+        Some([within(0)?, within(1)?])
     }
+}
+
+/// Whether a box overlaps something wherever its corner is: what one obstacle does not cover, others do.
+fn is_covered(corner: Corner, statics: &[Overlap], pieces: &mut usize) -> bool {
+    if statics.iter().any(|there| there.must_be(corner)) {
+        return true;
+    }
+    // Most places that are not covered show it at an end.
+    let [across, up] = corner;
+    let ends = [across.low, across.high].into_iter().flat_map(|x| [[x, up.low], [x, up.high]]);
+    let is_open = |end: [f64; 2]| !statics.iter().any(|there| there.must_be(end.map(Interval::point)));
+    let Some(left) = pieces.checked_sub(1).filter(|_| !ends.into_iter().any(is_open)) else { return false };
+    *pieces = left;
+    let size = |part: &Corner| (part[0].high - part[0].low) + (part[1].high - part[1].low);
+    let parts = statics.iter().filter_map(|there| there.part(corner));
+    let Some([x, y]) = parts.max_by(|a, b| size(a).total_cmp(&size(b))) else { return false };
+    let beside = [
+        (across.low < x.low, [Interval { low: across.low, high: x.low }, up]),
+        (x.high < across.high, [Interval { low: x.high, high: across.high }, up]),
+        (up.low < y.low, [x, Interval { low: up.low, high: y.low }]),
+        (y.high < up.high, [x, Interval { low: y.high, high: up.high }]),
+    ];
+    beside.into_iter().all(|(is_some, rest)| !is_some || is_covered(rest, statics, pieces))
 }

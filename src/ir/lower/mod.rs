@@ -131,8 +131,8 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
         program.entity_mut(id).discretes[index].first = first;
     }
     for probe in e.probes.iter() {
-        let [x, y] = probe.offset.each_ref().map(|offset| program.term(offset, &context));
-        let probe = program.push(Expr::Probe { mine: probe.mine, other: probe.other, x, y, bound: true }, probe.span);
+        let offset = probe.offset.each_ref().map(|offset| program.term(offset, &context));
+        let probe = program.push(Expr::Probe { mine: probe.mine, other: probe.other, offset, bound: true }, probe.span);
         program.entity_mut(id).probes.push(probe);
     }
     for collider in e.colliders.iter() {

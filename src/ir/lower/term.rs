@@ -114,8 +114,8 @@ impl Program {
                 if let Some(probe) = bound.and_then(|id| self.entities[context.entity(Subject::Me)].probes.get(id)) {
                     return *probe;
                 }
-                let [x, y] = offset.each_ref().map(|offset| self.term(offset, context));
-                Expr::Probe { mine: *mine, other: *other, x, y, bound: false }
+                let offset = offset.each_ref().map(|offset| self.term(offset, context));
+                Expr::Probe { mine: *mine, other: *other, offset, bound: false }
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),

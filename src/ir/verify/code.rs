@@ -131,11 +131,11 @@ impl<'p> Code<'p> {
                 exists(entity, &program.entities)
             }
             Expr::Alive(slot) => self.subject(owner, Subject::Slot(slot)),
-            Expr::Probe { mine, other, x, y, .. } => {
+            Expr::Probe { mine, other, offset, .. } => {
                 me()?;
                 exists(mine, &program.tags)?;
                 exists(other, &program.tags)?;
-                ensure(self.is_own(x) && self.is_own(y), "an offset reads more than its own instance")
+                ensure(offset.iter().all(|id| self.is_own(*id)), "an offset reads more than its own instance")
             }
             Expr::InSpace(subject, space) => {
                 self.subject(owner, subject)?;

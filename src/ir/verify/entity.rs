@@ -2,8 +2,8 @@
 //! driven, updated, spawned and destroyed exists.
 
 use crate::ir::{
-    Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
-    ExprId, Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_MODES, Mode, ModeId, Param,
+    Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
+    Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_MODES, Mode, ModeId, Param,
     Place, Program, RefUpdate, Reference, Release, Spawn, Timer, Touch, Update, VarId,
 };
 

@@ -121,6 +121,8 @@ impl CompletionCollector<'_> {
                     self.declared_after(from, &[NameKind::Button, NameKind::Argument]);
                 }
             }
+            // `touching(body at (16, 0), wall)`
+            "touching" if argument == 0 && !matches!(cursor.previous(1), "(" | "at") => self.words(&["at"]),
             "touching" => {
                 if argument < 2 {
                     self.names_of_kind(NameKind::Tag);

@@ -19,6 +19,7 @@ use crate::analysis::geometry::body::{Body, Extent, Kind, Pair, near};
 use crate::analysis::geometry::cells::{Cells, near_statics};
 use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::presence::Presence;
+use crate::analysis::geometry::probe_lines::probe_lines;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::statics::Statics;
 
@@ -181,7 +182,10 @@ impl<'a> Scene<'a> {
             whole.bodies.iter_mut().for_each(|b| b.is_live = true);
             let blocking = |space| self.blocking(&whole, space);
             let entity = &self.program.entities[kind.entity];
-            if let Some(cells) = Cells::fine(kind, entity, &surfaces, blocking) {
+            let probed = |space| probe_lines(self.program, self.world, kind, space, &self.meter);
+            let cells = Cells::fine(kind, entity, &surfaces, probed, blocking);
+            let without = || Cells::fine(kind, entity, &surfaces, |_| [Vec::new(), Vec::new()], blocking);
+            if let Some(cells) = cells.or_else(without) {
                 self.cells[number] = cells;
                 self.surfaces[number] = surfaces;
                 is_refined = true;

@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId,
-    VarId, WorldId,
+    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, SignalId, SlotId, SpaceId, Subject, SumId,
+    TagId, TouchId, VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;
+pub use super::checked_contact::*;
 pub use super::checked_world::*;
 use crate::source::Span;
 pub use crate::syntax::ast::Name;
@@ -164,6 +165,10 @@ pub enum TermKind {
         /// Entered, not left.
         entering: bool,
     },
+    /// A signal of the entity was sent to the instance in the step before.
+    Received(SignalId),
+    /// The sum of the numbers that came with a signal.
+    Sum(SumId),
     /// The reference is none.
     IsNone(Subject),
     /// The reference is to an instance of an entity.
@@ -185,34 +190,6 @@ pub enum TermKind {
     Count(Box<Vec<Term>>),
 }
 
-/// A contact of a collider tagged `mine` (any if none) with something tagged `other`, on a side of mine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Touching {
-    /// Whose collider.
-    pub of: Subject,
-    /// The tag of the instance's own collider.
-    pub mine: Option<TagId>,
-    /// The tag of the touched object.
-    pub other: TagId,
-    /// The side of the instance's own collider.
-    pub side: Option<Side>,
-    /// The bound query (`as`); it matches only instances.
-    pub bound: Option<TouchId>,
-}
-
-/// A collider tagged `mine`, moved by an offset, overlaps something tagged `other`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Probe {
-    /// The tag of the instance's own collider.
-    pub mine: TagId,
-    /// The tag of what is there.
-    pub other: TagId,
-    /// The offset along x and y, px.
-    pub offset: [Term; 2],
-    /// The bound probe (`as`); it matches only instances.
-    pub bound: Option<ProbeId>,
-}
-
 /// An entity.
 #[derive(Debug, Clone)]
 pub struct Entity {
@@ -228,6 +205,10 @@ pub struct Entity {
     pub discretes: RareVec<DiscreteId, Discrete>,
     /// References.
     pub refs: RareVec<RefId, Reference>,
+    /// Signals that it receives.
+    pub signals: RareVec<SignalId, Signal>,
+    /// The numbers that come with signals.
+    pub sums: RareVec<SumId, Sum>,
     /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
     /// Bound probes (`as`).
@@ -283,30 +264,31 @@ pub struct Reference {
     pub entity: Option<EntityId>,
 }
 
-/// A contact query bound by `as`.
+/// A signal.
 #[derive(Debug, Clone)]
-pub struct BoundTouch {
-    /// The tag of the instance's own collider.
-    pub mine: Option<TagId>,
-    /// The tag of the touched object.
-    pub other: TagId,
-    /// The side of the instance's own collider.
-    pub side: Option<Side>,
-    /// Its place.
-    pub span: Span,
+pub struct Signal {
+    /// Its name.
+    pub name: Name,
+    /// The number that comes with it.
+    pub number: Option<SumId>,
 }
 
-/// A probe bound by `as`.
+/// The number of a signal, added up over all that is sent in a step.
 #[derive(Debug, Clone)]
-pub struct BoundProbe {
-    /// The tag of the instance's own collider.
-    pub mine: TagId,
-    /// The tag of the instance that is there.
-    pub other: TagId,
-    /// The offset along x and y, px.
-    pub offset: [Term; 2],
-    /// Its place.
-    pub span: Span,
+pub struct Sum {
+    /// Its name.
+    pub name: Name,
+    /// Its dimension; a number without one is whole.
+    pub dimension: Option<Annotation>,
+    /// The signal.
+    pub signal: SignalId,
+}
+
+impl Sum {
+    /// The type of what is sent, and of the sum.
+    pub fn ty(&self) -> Type {
+        if self.dimension.is_some() { Type::Real } else { Type::Int }
+    }
 }
 
 /// A soft bound: values outside are clamped in the continuous phase.
@@ -521,6 +503,8 @@ pub enum Action {
     Spawn(Spawn),
     /// Destroys an instance.
     Destroy(Term),
+    /// Sends a signal.
+    Send(Send),
 }
 
 /// `into := spawn Entity(…)`
@@ -532,6 +516,21 @@ pub struct Spawn {
     pub entity: EntityId,
     /// Given parameters and initial values; the terms belong to the spawner.
     pub given: Vec<(Given, Term)>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `send reference.signal(number)`
+#[derive(Debug, Clone)]
+pub struct Send {
+    /// The receiver; `None` for all instances of the entity.
+    pub to: Option<Term>,
+    /// The entity of the receivers.
+    pub entity: EntityId,
+    /// Its signal.
+    pub signal: SignalId,
+    /// The number that comes with it.
+    pub number: Option<Term>,
     /// The whole.
     pub span: Span,
 }

@@ -6,6 +6,7 @@
 mod annotation;
 mod call;
 pub mod checked;
+mod checked_contact;
 mod checked_world;
 mod condition;
 mod conflict;
@@ -30,6 +31,7 @@ mod predicate;
 mod probe;
 mod record_uses;
 mod reference;
+mod signal;
 mod unused;
 mod world;
 

@@ -101,6 +101,8 @@ fn reads_more(term: &Term) -> Option<Span> {
         TermKind::Touching(_)
         | TermKind::Probe(_)
         | TermKind::Joint { .. }
+        | TermKind::Received(_)
+        | TermKind::Sum(_)
         | TermKind::IsNone(_)
         | TermKind::Is(..)
         | TermKind::Alive(_)

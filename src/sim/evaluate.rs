@@ -120,7 +120,7 @@ impl<'a> Reader<'a> {
         self.actor.and_then(|a| a.player).and_then(|p| self.frames.get(p))
     }
 
-    fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
+    pub fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
         if value.is_finite() {
             return value;
         }
@@ -199,6 +199,7 @@ impl<'a> Reader<'a> {
                 self.layout(of, id).map_or(0.0, |l| f64::from(l.discrete(self.state, discrete)))
             }
             Expr::Axis(axis) => self.axis(axis),
+            Expr::Sum(sum) => self.own_layout().sum(self.state, sum),
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Negate(a) => -self.number(a),
@@ -228,6 +229,7 @@ impl<'a> Reader<'a> {
             | Expr::Touching(..)
             | Expr::Probe { .. }
             | Expr::Joint(..)
+            | Expr::Received(_)
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)
@@ -271,6 +273,7 @@ impl<'a> Reader<'a> {
             Expr::Touching(of, touch) => self.instance(of).is_some_and(|s| self.sim.layout(s).touch(self.state, touch)),
             Expr::Probe { .. } => self.probe(id) != Found::Nothing,
             Expr::Joint(mode, entering) => self.joint(mode, entering),
+            Expr::Received(signal) => self.own_layout().signal(self.state, signal),
             Expr::IsNone(of) => self.instance(of).is_none(),
             Expr::Is(of, entity) => self.instance(of).is_some_and(|s| self.sim.world().slots[s].entity == entity),
             Expr::Alive(slot) => self.sim.layout(slot).alive(self.state),
@@ -293,6 +296,7 @@ impl<'a> Reader<'a> {
             | Expr::Var(..)
             | Expr::Discrete(..)
             | Expr::Axis(_)
+            | Expr::Sum(_)
             | Expr::Timer(_)
             | Expr::Frames(_)
             | Expr::Negate(_)

@@ -123,6 +123,7 @@ fn what_never_moves_is_sure_and_what_comes_and_goes_is_not() {
     assert_eq!(ruled_out(hero, ROOM, "place crate: Crate at (80, 16)", "hero.x == 64"), (false, false));
     assert_eq!(ruled_out(hero, ROOM, "place door: Door at (80, 16)", "hero.x > 64"), (true, true), "it never opens");
     let opens = "place door: Door at (80, 16)\n place crate: Crate at (300, 300)";
-    let hero = hero.replace("mode walk {", "ref door: Door\n mode walk { when touching(body at (64, 0), door) as d { destroy d }");
+    let hero = hero
+        .replace("mode walk {", "ref door: Door\n mode walk { when touching(body at (64, 0), door) as d { destroy d }");
     assert_eq!(ruled_out(&hero, ROOM, opens, "hero.x > 64"), (false, false), "it can be gone");
 }

@@ -77,7 +77,7 @@ const MAZE: &str = "
 #[test]
 fn a_room_shuts_in() {
     for goal in ["hero.x < 15.9", "hero.x > 160.1", "hero.y < 15.9", "hero.y > 32.1"] {
-        assert_eq!(ruled_out(STEPS, ROOM, "", goal), (true, true), "{goal}");
+        assert!(ruled_out(STEPS, ROOM, "", goal).1, "{goal}");
     }
     assert_eq!(ruled_out(STEPS, ROOM, "", "hero.x == 160 and hero.y == 32"), (false, false), "it can be there");
     let hole = ROOM.replace("#..........#\n    ####", "#...........\n    ####");
@@ -90,7 +90,7 @@ fn a_room_shuts_in() {
 #[test]
 fn a_maze_shuts_in_by_place() {
     for goal in ["hero.x > 96", "hero.x == 96 and hero.y == 48", "hero.x == 48 and hero.y == 32"] {
-        assert_eq!(ruled_out(TURNS, MAZE, "", goal).1, true, "{goal}");
+        assert!(ruled_out(TURNS, MAZE, "", goal).1, "{goal}");
     }
     for goal in ["hero.x == 64 and hero.y == 48", "hero.x == 96"] {
         assert_eq!(ruled_out(TURNS, MAZE, "", goal), (false, false), "{goal}");
@@ -109,8 +109,8 @@ fn an_offset_that_depends_on_values_is_known_by_them() {
         when not touching(body at (dx * cell, 0), wall) -> still { x += dx * cell }
         else -> still
     }";
-    assert_eq!(ruled_out(hero, ROOM, "", "hero.x > 160").1, true);
-    assert_eq!(ruled_out(hero, ROOM, "", "hero.x < 16").1, true);
+    assert!(ruled_out(hero, ROOM, "", "hero.x > 160").1);
+    assert!(ruled_out(hero, ROOM, "", "hero.x < 16").1);
     assert_eq!(ruled_out(hero, ROOM, "", "hero.x == 160"), (false, false));
 }
 

@@ -59,13 +59,16 @@ enum Named {
     At(EntityId, ProbeId),
 }
 
+/// For each tag, the colliders that probes can find, at the start of a step or (true) within it.
+type Probed = BTreeMap<(TagId, bool), Arc<[There]>>;
+
 /// The join over the instances that a subject can name: cached until the slots change.
 #[derive(Debug, Default)]
 pub(in crate::analysis) struct Joined {
     values: Mutex<BTreeMap<(Named, Part), Values>>,
     alive: Mutex<BTreeMap<Named, Arc<[SlotId]>>>,
-    /// For each tag, the colliders that probes can find, at the start of a step or within it.
-    pub(super) probed: Mutex<BTreeMap<(TagId, bool), Arc<[There]>>>,
+    /// What probes can find.
+    pub(super) probed: Mutex<Probed>,
 }
 
 impl Joined {

@@ -85,21 +85,22 @@ fn shell(e: &checked::Entity) -> Entity {
         probes: RareVec::new(),
         timers: RareVec::new(),
         spawns: RareVec::new(),
-        signals: e.signals.iter().map(|s| Signal { name: s.name.text.to_string(), sum: s.number }).collect(),
-        sums: e
-            .sums
-            .iter()
-            .map(|sum| Sum { name: sum.name.text.to_string(), is_whole: sum.ty() == checked::Type::Int })
-            .collect(),
+        signals: e.signals.iter().map(signal).collect(),
         sends: RareVec::new(),
         follows: RareVec::new(),
         clamps: Box::default(),
         invariants: Box::default(),
-        order: e.order.as_slice().into(),
+        order: e.order.clone(),
         free: Box::default(),
         inputs: Inputs::default(),
         code: IdRange::new(ExprId(0), ExprId(0)),
     }
+}
+
+fn signal(signal: &checked::Signal) -> Signal {
+    let number = signal.number.as_ref();
+    let number = number.map(|sum| Sum { name: sum.name.text.to_string(), is_whole: sum.ty() == checked::Type::Int });
+    Signal { name: signal.name.text.to_string(), number }
 }
 
 fn spans(e: &checked::Entity) -> EntitySpans {

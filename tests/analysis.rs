@@ -13,6 +13,7 @@ mod false_verdicts;
 mod found;
 pub mod generate;
 pub mod outside;
+mod places;
 mod regions;
 mod run;
 mod sharp;

@@ -11,6 +11,7 @@ mod evaluate;
 mod flow;
 mod generate;
 mod model;
+mod probe;
 mod step;
 mod verdict;
 

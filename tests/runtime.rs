@@ -9,6 +9,7 @@ mod conformance;
 mod embedding;
 mod examples;
 mod memory;
+mod probes;
 mod properties;
 mod semantics;
 mod smb;

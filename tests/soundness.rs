@@ -23,6 +23,7 @@ mod flows;
 mod frame;
 mod generate;
 mod hunt;
+mod look;
 mod mutants;
 #[path = "mutation/mutate.rs"]
 #[allow(dead_code, reason = "the lines of changes are not told")]

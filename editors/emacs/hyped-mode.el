@@ -69,6 +69,7 @@
   '((any "\\_<\\(any\\)[ \t]+" free)
     (any "\\_<\\(all\\)[ \t]+" free)
     (any operand "\\(touching\\)\\(?:[ \t]*\"\\|[ \t]+" tag "\\)")
+    (members "[\"[:word:]][ \t]+\\(at\\)[ \t]*(")
     (members "\\_<\\(initial\\)[ \t]+\\(?:mode\\|when\\)\\_>")
     (members "\\_<\\(always\\)[ \t\n]*{")
     (members "\\_<\\(follow\\)[ \t]+\\(links\\)\\_>[ \t]*\\(?:[^':= \t]\\|$\\)")

@@ -287,10 +287,11 @@ module.exports = grammar({
     call: $ => seq(
       field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp', 'any', 'all'), $.identifier))),
       '(',
-      optional(commas($.expression)),
+      optional(commas(seq($.expression, optional($.moved)))),
       ')',
       optional($.binding),
     ),
+    moved: $ => seq('at', field('offset', $.expression)),
     binding: $ => seq('as', field('name', $.identifier)),
     in_mode: $ => seq('in', field('mode', $.path)),
     any_instance: $ => seq(choice('any', 'all'), field('entity', $.identifier)),

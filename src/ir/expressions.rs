@@ -79,6 +79,7 @@ impl Expr {
             }
             Expr::Call(_, args) => args.to_vec(),
             Expr::Near { of: _, x, y, radius } => vec![x, y, radius],
+            Expr::Probe { offset, .. } => offset.to_vec(),
             Expr::Number(_)
             | Expr::Frames(_)
             | Expr::Bool(_)

@@ -73,6 +73,7 @@ ids! {
     ExprId "expr" "An expression of the program's arena."
     LeafId "leaf" "A mode without modes inside, of one entity, in preorder."
     TouchId "touch" "A distinct contact query of one entity: one bit of the state."
+    ProbeId "probe" "A probe of one entity that names the instance it finds."
     TimerId "timer" "A mode whose time is read, of one entity: one counter of the state."
 }
 

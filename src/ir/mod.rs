@@ -31,8 +31,8 @@ pub use arena::Arena;
 pub use arithmetic::{arithmetic, call, compare};
 pub use ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
-    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SendId, SignalId, SlotId, SpaceId, SpawnId,
-    TagId, TimerId, TouchId, VarId, WorldId,
+    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, ProbeId, RefId, SendId, SignalId, SlotId, SpaceId,
+    SpawnId, TagId, TimerId, TouchId, VarId, WorldId,
 };
 pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, SlotLayout};

@@ -8,7 +8,7 @@ use super::Spans;
 use super::actions::{Actions, Send, Signal, Spawn};
 use super::{
     Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
-    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Press, RareVec, RefId, SendId, Side,
+    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Press, ProbeId, RareVec, RefId, SendId, Side,
     SignalId, SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
@@ -106,6 +106,17 @@ pub enum Expr {
     Button(Press, ButtonId),
     /// A bit that the last collision phase set.
     Touching(Subject, TouchId),
+    /// A collider of the instance tagged `mine`, moved by `offset`, overlaps something tagged `other`.
+    Probe {
+        /// The tag of one's own collider.
+        mine: TagId,
+        /// The tag of what is there.
+        other: TagId,
+        /// Along x and y, px; it reads only the instance itself.
+        offset: [ExprId; 2],
+        /// Only instances count.
+        bound: bool,
+    },
     /// A mode of another group of the instance is entered (true) or left in this step.
     Joint(ModeId, bool),
     /// A signal was sent to the instance in the step before.
@@ -174,6 +185,9 @@ pub struct Entity {
     pub touches: RareVec<TouchId, Touch>,
     /// How many of them, the first ones, keep the instance that is touched.
     pub bound: usize,
+    /// The probes that name the instance that they find: expressions of the kind `probe`.
+    #[serde(default, skip_serializing_if = "RareVec::is_none")]
+    pub probes: RareVec<ProbeId, ExprId>,
     /// The modes whose time is read: one counter each.
     pub timers: RareVec<TimerId, Timer>,
     /// What is spawned on edges.

@@ -13,6 +13,11 @@ impl Program {
                 let tag = TagSet::of(self.entities[me].touches[id].other);
                 self.entities[other].colliders.iter().any(|collider| collider.tags.meets(tag))
             }
+            Subject::Probed(id) => self.exprs.get(self.entities[me].probes[id]).is_some_and(|probe| {
+                let Expr::Probe { other: tag, .. } = *probe else { return false };
+                let tag = TagSet::of(tag);
+                self.entities[other].colliders.iter().any(|collider| collider.tags.meets(tag))
+            }),
             Subject::Slot(_) => true,
         }
     }

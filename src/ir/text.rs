@@ -75,6 +75,9 @@ impl EntityText<'_> {
             let kept = if t.bound { " as an instance" } else { "" };
             writeln!(out, "  {id} ({}, {}{side}){kept}", tags(p, t.mine), tags(p, TagSet::of(t.other)))?;
         }
+        for (id, probe) in e.probes.pairs() {
+            writeln!(out, "  {id} {}", self.expr(*probe))?;
+        }
         for (id, t) in e.timers.pairs() {
             let limits = match &t.thresholds {
                 Some(list) => list.iter().map(|&x| self.expr(x)).collect::<Vec<_>>().join(", "),
@@ -258,6 +261,7 @@ impl EntityText<'_> {
             Subject::Slot(slot) => format!("{slot}."),
             Subject::Ref(id) => format!("{}.", self.e.refs[id].name),
             Subject::Touched(touch) => format!("{touch}."),
+            Subject::Probed(probe) => format!("{probe}."),
         }
     }
 
@@ -265,7 +269,7 @@ impl EntityText<'_> {
         let entity = |of: Subject| match of {
             Subject::Me => Some(self.e),
             Subject::Ref(id) => self.e.refs[id].entity.map(|e| &*self.p.entities[e]),
-            Subject::Slot(_) | Subject::Touched(_) => None,
+            Subject::Slot(_) | Subject::Touched(_) | Subject::Probed(_) => None,
         };
         expression(self.p, id, &entity, self.e, &|of| self.owner(of))
     }
@@ -373,6 +377,10 @@ fn expression<'a>(
             format!("{word}({})", me().buttons[button])
         }
         Expr::Touching(of, touch) => format!("{}{touch}", owner(of)),
+        Expr::Probe { mine, other, offset: [x, y], bound } => {
+            let kept = if bound { " as an instance" } else { "" };
+            format!("touching({} at ({}, {}), {}){kept}", p.tags[mine], sub(x), sub(y), p.tags[other])
+        }
         Expr::InMode(of, mode) => {
             let path = entity(of).and_then(|e| e.modes.get(mode)).map_or_else(|| mode.to_string(), |m| m.path.clone());
             format!("{}in {path}", owner(of))

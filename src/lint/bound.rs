@@ -1,4 +1,4 @@
-//! Lints of bound contact queries, `touching(…) as e`: they hold only of instances, so a tag that only tiles and
+//! Lints of bound contact queries and probes, `touching(…) as e`: they hold only of instances, so a tag that only tiles and
 //! `rect`s have never gives one.
 
 use std::collections::BTreeSet;
@@ -29,20 +29,22 @@ pub(super) fn bound(checked: &Checked, root: FileId, found: &mut Diagnostics) {
     let is_open = checked.worlds.iter().any(|w| w.open.is_some());
     for entity in checked.entities.iter() {
         let mut seen: BTreeSet<TagId> = BTreeSet::new();
-        for query in entity.bound.iter().filter(|query| !of_instances.contains(&query.other)) {
-            let tag = &checked.tags[query.other].text;
-            let is_static = of_statics.contains(&query.other) || checked.other_tags.contains(&**tag);
+        let contacts = entity.bound.iter().map(|query| (query.other, query.span, Some(query)));
+        let asked = contacts.chain(entity.probes.iter().map(|probe| (probe.other, probe.span, None)));
+        for (other, at, query) in asked.filter(|(other, ..)| !of_instances.contains(other)) {
+            let tag = &checked.tags[other].text;
+            let is_static = of_statics.contains(&other) || checked.other_tags.contains(&**tag);
             // An imported entity may ask for more than this program has.
-            let is_own = is_static || query.span.file() == root && is_open && side_meant(tag).is_none();
-            if is_own && seen.insert(query.other) {
+            let is_own = is_static || at.file() == root && is_open && side_meant(tag).is_none();
+            if is_own && seen.insert(other) {
                 let same = checked.entities.iter().find(|e| e.name.text.eq_ignore_ascii_case(tag));
                 let same = same.map(|e| (e.name.text.to_string(), tags_of(checked, e)));
                 found.report(NoInstanceTouched {
-                    at: query.span,
+                    at,
                     tag: tag.to_string(),
                     is_static,
                     same: same.filter(|(_, tags)| !tags.is_empty()),
-                    others: touchable(checked, entity, query),
+                    others: query.map_or(Vec::new(), |query| touchable(checked, entity, query)),
                 });
             }
         }

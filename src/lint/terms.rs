@@ -90,6 +90,9 @@ pub(super) fn same(a: &Term, b: &Term) -> bool {
         (TermKind::Compare(f, ..), TermKind::Compare(g, ..)) => f == g && inside(a, b),
         (TermKind::Call(f), TermKind::Call(g)) => f.0 == g.0 && inside(a, b),
         (TermKind::Near(f), TermKind::Near(g)) => f.0 == g.0 && inside(a, b),
+        (TermKind::Probe(f), TermKind::Probe(g)) => {
+            (f.mine, f.other, f.bound.is_some()) == (g.mine, g.other, g.bound.is_some()) && inside(a, b)
+        }
         (f, g) => a.operands().is_empty() && b.operands().is_empty() && f == g,
     }
 }

@@ -46,6 +46,13 @@ fn requested(checked: &Checked) -> BTreeSet<TagId> {
             requested.extend(mine);
             requested.insert(other);
         }
+        for term in terms::of_entity(entity) {
+            terms::walk(term, &mut |term| {
+                if let TermKind::Probe(asked) = &term.kind {
+                    requested.extend([asked.mine, asked.other]);
+                }
+            });
+        }
     }
     requested
 }

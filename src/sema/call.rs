@@ -225,6 +225,13 @@ impl Checker<'_> {
     ) -> Option<Term> {
         const USAGE: &str =
             "`touching(tag)`, `touching(tag, side)`, `touching(own tag, tag)` or `touching(own tag, tag, side)`";
+        if let [Expr { kind: ExprKind::Moved(moved), .. }, rest @ ..] = arguments {
+            return self.probe(moved, rest, binding, span, scope);
+        }
+        if arguments.iter().any(|argument| matches!(argument.kind, ExprKind::Moved(_))) {
+            wrong(self, "the own tag first: `touching(own tag at (x, y), tag)`");
+            return None;
+        }
         self.allow(scope.entity, span, scope, ReadLimit::All, "`touching`")?;
         let mut words: Vec<Name> = Vec::new();
         for argument in arguments {

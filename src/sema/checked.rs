@@ -6,11 +6,12 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SignalId, SlotId, SpaceId, Subject, TagId, TouchId,
-    VarId, WorldId,
+    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, SignalId, SlotId, SpaceId, Subject, TagId,
+    TouchId, VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;
+pub use super::checked_contact::*;
 pub use super::checked_world::*;
 use crate::source::Span;
 pub use crate::syntax::ast::Name;
@@ -104,6 +105,7 @@ impl Term {
             | TermKind::Or(sides) => sides.as_slice(),
             TermKind::Call(call) => &call.1,
             TermKind::Near(asked) => &asked.1,
+            TermKind::Probe(asked) => &asked.offset,
             TermKind::Count(of) => of,
             _ => &[],
         }
@@ -154,6 +156,8 @@ pub enum TermKind {
     Button(Press, ButtonId),
     /// A contact.
     Touching(Box<Touching>),
+    /// Whether a place is taken.
+    Probe(Box<Probe>),
     /// A mode of another group is entered (or exited) in this step.
     Joint {
         /// The mode.
@@ -186,21 +190,6 @@ pub enum TermKind {
     Count(Box<Vec<Term>>),
 }
 
-/// A contact of a collider tagged `mine` (any if none) with something tagged `other`, on a side of mine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Touching {
-    /// Whose collider.
-    pub of: Subject,
-    /// The tag of the instance's own collider.
-    pub mine: Option<TagId>,
-    /// The tag of the touched object.
-    pub other: TagId,
-    /// The side of the instance's own collider.
-    pub side: Option<Side>,
-    /// The bound query (`as`); it matches only instances.
-    pub bound: Option<TouchId>,
-}
-
 /// An entity.
 #[derive(Debug, Clone)]
 pub struct Entity {
@@ -220,6 +209,8 @@ pub struct Entity {
     pub signals: RareVec<SignalId, Signal>,
     /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
+    /// Bound probes (`as`).
+    pub probes: RareVec<ProbeId, BoundProbe>,
     /// Buttons that it reads.
     pub buttons: RareVec<ButtonId, Name>,
     /// Axes that it reads.
@@ -294,19 +285,6 @@ impl Sum {
     pub fn ty(&self) -> Type {
         if self.dimension.is_some() { Type::Real } else { Type::Int }
     }
-}
-
-/// A contact query bound by `as`.
-#[derive(Debug, Clone)]
-pub struct BoundTouch {
-    /// The tag of the instance's own collider.
-    pub mine: Option<TagId>,
-    /// The tag of the touched object.
-    pub other: TagId,
-    /// The side of the instance's own collider.
-    pub side: Option<Side>,
-    /// Its place.
-    pub span: Span,
 }
 
 /// A soft bound: values outside are clamped in the continuous phase.

@@ -419,7 +419,9 @@ fn height(e: &Expr) -> usize {
     let highest = |inner: &[Expr]| inner.iter().map(height).max().unwrap_or(0);
     1 + match &e.kind {
         ExprKind::Call(call) => highest(&call.arguments),
-        ExprKind::Point(both) | ExprKind::Binary(_, both) | ExprKind::Compare(_, both) => highest(&**both),
+        ExprKind::Point(both) | ExprKind::Moved(both) | ExprKind::Binary(_, both) | ExprKind::Compare(_, both) => {
+            highest(&**both)
+        }
         ExprKind::Paren(a) | ExprKind::Negate(a) | ExprKind::Not(a) => height(a),
         ExprKind::Chain(chain) => chain.1.iter().map(|(_, e)| height(e)).fold(height(&chain.0), usize::max),
         _ => 0,

@@ -92,6 +92,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Consta
         | TermKind::Timer(_)
         | TermKind::Button(..)
         | TermKind::Touching(_)
+        | TermKind::Probe(_)
         | TermKind::InMode(..)
         | TermKind::InSpace(..)
         | TermKind::Near(_)

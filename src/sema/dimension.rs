@@ -363,7 +363,7 @@ impl Solver<'_> {
             Subject::Me => context.me,
             Subject::Slot(slot) => Some((context.entity_of)(slot)),
             Subject::Ref(id) => context.me.and_then(|me| self.program.entities[me].refs[id].entity),
-            Subject::Touched(_) => None,
+            Subject::Touched(_) | Subject::Probed(_) => None,
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
@@ -447,8 +447,8 @@ impl Solver<'_> {
                 }
                 Some(Dim::known(0, 0))
             }
-            TermKind::Near(asked) => {
-                for term in &asked.1 {
+            TermKind::Near(_) | TermKind::Probe(_) => {
+                for term in term.operands() {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
                 }
                 None

@@ -99,6 +99,7 @@ impl Checker<'_> {
             refs: RareVec::new(),
             signals: RareVec::new(),
             bound: RareVec::new(),
+            probes: RareVec::new(),
             buttons: RareVec::new(),
             axes: RareVec::new(),
             colliders: RareVec::new(),
@@ -496,6 +497,7 @@ impl Checker<'_> {
         entity.order = self.group_order(&entity).into();
         entity.conditions = self.take_conditions(&scope).into();
         entity.bound = std::mem::take(&mut self.facts.bound).into();
+        entity.probes = std::mem::take(&mut self.facts.probes).into();
         entity
     }
 

@@ -352,6 +352,15 @@ impl Checker<'_> {
                 });
                 None
             }
+            ExprKind::Moved(both) => {
+                self.diagnostics.report(Misplaced {
+                    at: both[1].span,
+                    what: "`at`",
+                    inside: "this expression",
+                    belongs: "after the own tag of a `touching`: `touching(body at (16, 0), wall)`",
+                });
+                None
+            }
             // The guard of an edge, which `edge` reads.
             ExprKind::Else => None,
             ExprKind::Text(_) | ExprKind::Point(..) => {

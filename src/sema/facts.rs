@@ -1,12 +1,12 @@
 //! Flow-sensitive facts: references that were tested, instances that a guard bound. A guard provides facts to the rest
 //! of the same `and`, the updates of its edge, and the branches of an `if`.
 
-use crate::ir::{EntityId, IdVec, ModeId, RefId, Subject, TouchId};
+use crate::ir::{EntityId, IdVec, ModeId, ProbeId, RefId, Subject, TouchId};
 
 use crate::source::Span;
 use crate::syntax::ast::Name;
 
-use super::checked::{BoundTouch, Term, TermKind};
+use super::checked::{BoundProbe, BoundTouch, Term, TermKind};
 use super::names::Candidate;
 
 /// The facts at the current expression, and data collected on the way.
@@ -15,11 +15,13 @@ pub(super) struct Facts {
     /// References that are not none here, with their entity if known.
     known: Vec<(Subject, Option<EntityId>)>,
     /// Names bound by `as`, in scope here.
-    names: Vec<(Name, TouchId)>,
+    names: Vec<(Name, Subject)>,
     /// Whether `as` may bind a name here.
     pub bindable: bool,
     /// The bound contact queries of the entity.
     pub bound: IdVec<TouchId, BoundTouch>,
+    /// The bound probes of the entity.
+    pub probes: IdVec<ProbeId, BoundProbe>,
     /// References read here that only an edge on `lost` covers.
     pub needs: Vec<RefId>,
     /// All such reads of the entity: the mode with the edge, the reference, the span.
@@ -56,6 +58,9 @@ impl Facts {
             (TermKind::Touching(asked), true) => {
                 self.known.extend(asked.bound.map(|touch| (Subject::Touched(touch), None)));
             }
+            (TermKind::Probe(asked), true) => {
+                self.known.extend(asked.bound.map(|probe| (Subject::Probed(probe), None)));
+            }
             _ => {}
         }
     }
@@ -79,12 +84,19 @@ impl Facts {
     pub fn name(&mut self, name: &Name, question: BoundTouch) -> TouchId {
         let same = |b: &BoundTouch| (b.mine, b.other, b.side) == (question.mine, question.other, question.side);
         let id = self.bound.find(same).unwrap_or_else(|| self.bound.push(question));
-        self.names.push((name.clone(), id));
+        self.names.push((name.clone(), Subject::Touched(id)));
         id
     }
 
-    /// The contact query of a name.
-    pub fn named(&self, name: &str) -> Option<TouchId> {
+    /// Binds a name to a probe.
+    pub fn name_probe(&mut self, name: &Name, probe: BoundProbe) -> ProbeId {
+        let id = self.probes.push(probe);
+        self.names.push((name.clone(), Subject::Probed(id)));
+        id
+    }
+
+    /// The instance that a name stands for.
+    pub fn named(&self, name: &str) -> Option<Subject> {
         self.names.iter().rev().find(|(n, _)| n.text == name).map(|(_, id)| *id)
     }
 

@@ -298,6 +298,7 @@ fn given(settings: &[ast::Assignment]) -> Vec<&str> {
 /// The tag that an argument of `touching` names.
 fn tag(argument: &Expr) -> Option<&str> {
     match &argument.kind {
+        ExprKind::Moved(both) => tag(&both[0]),
         ExprKind::Name(name, 0) => Some(name),
         ExprKind::Text(text) => Some(text),
         _ => None,

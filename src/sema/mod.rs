@@ -6,6 +6,7 @@
 mod annotation;
 mod call;
 pub mod checked;
+mod checked_contact;
 mod checked_world;
 mod condition;
 mod conflict;
@@ -27,6 +28,7 @@ mod operator;
 mod place;
 mod population;
 mod predicate;
+mod probe;
 mod record_uses;
 mod reference;
 mod signal;

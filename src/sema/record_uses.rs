@@ -73,7 +73,7 @@ impl Checker<'_> {
     pub(super) fn record_subject_use(&mut self, subject: Subject, name: &Name, scope: &Scope<'_>) {
         match (subject, scope.entity) {
             (Subject::Ref(id), Some(entity)) => self.record_value_use(entity, Given::Ref(id), name.span, Role::Read),
-            (Subject::Touched(_), _) => {
+            (Subject::Touched(_) | Subject::Probed(_), _) => {
                 if let Some(declared) = self.facts.named_at(&name.text) {
                     self.record_use(NameKind::Touched, name.span, declared);
                 }

@@ -34,8 +34,7 @@ pub(super) fn lost_by(guard: &Expr) -> Option<Name> {
 impl Checker<'_> {
     /// A reference of the entity, or an instance bound by a guard, with its entity if known.
     pub(super) fn referred(&self, name: &str, scope: &Scope<'_>) -> Option<(Subject, Option<EntityId>)> {
-        if let Some(touch) = self.facts.named(name) {
-            let subject = Subject::Touched(touch);
+        if let Some(subject) = self.facts.named(name) {
             return Some((subject, self.facts.entity(subject)));
         }
         let id = *scope.names?.refs.get(name)?;

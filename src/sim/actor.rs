@@ -237,6 +237,7 @@ pub(super) fn moves_independently(actors: &[Actor]) -> bool {
         !actor.code.exprs.iter().any(|e| match *e {
             Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::Param(of, _) | Expr::InMode(of, _) => other(of),
             Expr::Touching(of, _) | Expr::InSpace(of, _) | Expr::Near { of, .. } => other(of),
+            Expr::Probe { .. } => true,
             _ => false,
         })
     })

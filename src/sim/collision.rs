@@ -27,7 +27,7 @@ use super::tiles::Grid;
 /// Data about a world's colliders, prepared once.
 #[derive(Debug)]
 pub(super) struct Collision {
-    bodies: Vec<Body>,
+    pub bodies: Vec<Body>,
     /// Their kinds.
     pub kinds: Vec<Kind>,
     broad_phase: BroadPhase,
@@ -48,30 +48,30 @@ pub(super) struct Collision {
 /// A collider of a slot.
 #[derive(Debug)]
 pub(super) struct Body {
-    slot: SlotId,
+    pub slot: SlotId,
     pub kind: usize,
     /// The index of its set of tags.
     set: usize,
     pub kinematic: bool,
     /// The offsets of its instance's position, space and life in a state.
-    layout: PositionLayout,
+    pub layout: PositionLayout,
     /// Whether it can touch any static obstacle.
     meets: bool,
     /// The box, if it is constant: x and y of the lower-left corner, width, height.
-    fixed: Option<[f64; 4]>,
+    pub fixed: Option<[f64; 4]>,
     /// Whether it is a constant, non-empty rectangle whose presence needs no evaluation.
-    is_plain: bool,
+    pub is_plain: bool,
     /// If its presence depends on one leaf: the offset of the leaf in a state, and the leaves in which it is active.
-    by_leaf: Option<(usize, Arc<[bool]>)>,
+    pub by_leaf: Option<(usize, Arc<[bool]>)>,
     /// Its shape, and what must hold for it to be there, for a body that is not plain.
-    shape: Shape,
+    pub shape: Shape,
     guard: Option<ExprId>,
 }
 
 /// Data shared by the bodies of one collider of one entity.
 #[derive(Debug)]
 pub(super) struct Kind {
-    tags: TagSet,
+    pub tags: TagSet,
     /// For each set of tags: the rule of a contact, and the contact bits that it sets.
     sets: Vec<Option<Encounter>>,
     /// For each space, for each kind of tile.
@@ -456,7 +456,7 @@ impl Simulator {
     /// The box of a body that is not plain; `None` if its guard does not hold. Apart from the loop over all bodies, most of
     /// which are plain.
     #[inline(never)]
-    fn evaluate_box(
+    pub(super) fn evaluate_box(
         &self,
         body: &Body,
         state: &[u8],

@@ -24,6 +24,11 @@ pub(super) struct Rect {
 }
 
 impl Rect {
+    /// The same box elsewhere.
+    pub fn moved(self, (x, y): (f64, f64)) -> Rect {
+        Rect { left: self.left + x, right: self.right + x, bottom: self.bottom + y, top: self.top + y, ..self }
+    }
+
     /// Whether two boxes overlap or touch, and are in one space.
     #[inline]
     pub fn is_near(&self, other: &Rect) -> bool {
@@ -208,6 +213,21 @@ fn circles_meet(a: &Rect, b: &Rect) -> bool {
     let (dx, dy) = (x - x.clamp(other.left, other.right), y - y.clamp(other.bottom, other.top));
     let distance = dx * dx + dy * dy;
     distance < radius * radius || (distance == radius * radius && (dx == 0.0 || dy == 0.0))
+}
+
+/// Whether two shapes of which at least one is a circle overlap by more than the tolerance.
+pub(super) fn sinks_in(a: &Rect, b: &Rect) -> bool {
+    let (circle, other) = if a.round { (a, b) } else { (b, a) };
+    let centre = |r: &Rect| ((r.left + r.right) / 2.0, (r.bottom + r.top) / 2.0);
+    let (x, y) = centre(circle);
+    let radius = (circle.right - circle.left) / 2.0;
+    let (dx, dy, reach) = if other.round {
+        let (ox, oy) = centre(other);
+        (x - ox, y - oy, radius + (other.right - other.left) / 2.0)
+    } else {
+        (x - x.clamp(other.left, other.right), y - y.clamp(other.bottom, other.top), radius)
+    };
+    reach - (dx * dx + dy * dy).sqrt() > TOLERANCE
 }
 
 #[inline]

@@ -3,14 +3,15 @@
 use std::cell::Cell;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, RefValue, SlotId,
-    SlotLayout, Subject, arithmetic, call, compare,
+    Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, ProbeId,
+    RefValue, SlotId, SlotLayout, Subject, arithmetic, call, compare,
 };
 
 use super::actor::{Actor, Guard};
 use super::discrete::TakenEdge;
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
+use super::probe::Found;
 use super::simulator::Simulator;
 
 /// The context of evaluation.
@@ -49,7 +50,24 @@ impl<'a> Reader<'a> {
             Subject::Slot(slot) => Some(slot),
             Subject::Ref(id) => self.own_layout().reference(self.state, id),
             Subject::Touched(id) => self.own_layout().touched(self.state, id),
+            Subject::Probed(id) => self.probed(id),
         }
+    }
+
+    /// The instance that a probe finds: looked up anew, for the state that is read is the one that the guard asked.
+    #[cold]
+    fn probed(&self, id: ProbeId) -> Option<SlotId> {
+        match self.probe(*self.actor?.entity.probes.get(id)?) {
+            Found::Instance(slot) => Some(slot),
+            Found::Nothing | Found::Static => None,
+        }
+    }
+
+    /// What a probe finds.
+    #[inline(never)]
+    fn probe(&self, id: ExprId) -> Found {
+        let Expr::Probe { mine, other, offset: [x, y], bound } = *self.at(id) else { return Found::Nothing };
+        self.sim.probe(self, (mine, other), (self.number(x), self.number(y)), bound)
     }
 
     /// The layout of the reader's own instance.
@@ -209,6 +227,7 @@ impl<'a> Reader<'a> {
             | Expr::Not(_)
             | Expr::Button(..)
             | Expr::Touching(..)
+            | Expr::Probe { .. }
             | Expr::Joint(..)
             | Expr::Received(_)
             | Expr::IsNone(_)
@@ -252,6 +271,7 @@ impl<'a> Reader<'a> {
             Expr::Not(a) => !self.truth(a),
             Expr::Button(press, button) => self.button(press, button),
             Expr::Touching(of, touch) => self.instance(of).is_some_and(|s| self.sim.layout(s).touch(self.state, touch)),
+            Expr::Probe { .. } => self.probe(id) != Found::Nothing,
             Expr::Joint(mode, entering) => self.joint(mode, entering),
             Expr::Received(signal) => self.own_layout().signal(self.state, signal),
             Expr::IsNone(of) => self.instance(of).is_none(),

@@ -18,6 +18,7 @@ mod fault;
 mod input;
 mod instance;
 mod life;
+mod probe;
 mod run;
 mod saved;
 mod script;

@@ -17,6 +17,7 @@ use super::evaluate::Reader;
 use super::fault::Fault;
 use super::input::{Frame, Input};
 use super::life::{Changes, Pool};
+use super::probe::Probes;
 use super::saved::State;
 use super::state::{Life, buttons, set_buttons};
 
@@ -29,6 +30,8 @@ pub struct Simulator {
     code: Option<Box<[Expr]>>,
     pub(super) step: f64,
     pub(super) collision: Collision,
+    /// What probes look at, if there are any.
+    pub(super) probes: Option<Box<Probes>>,
     /// For each entity, what a spawn may take.
     pub(super) pools: Vec<Pool>,
     /// Prepared data of each slot.
@@ -99,6 +102,9 @@ impl Simulator {
         let actors = actors(program, world);
         let nevers = program.with_operands(world.nevers.iter().map(|n| n.holds).collect());
         let cost = actors.iter().map(|a| a.code.exprs.len()).sum::<usize>() + nevers.len();
+        let probes = Probes::new(program, world, &collision, &actors);
+        let exprs = || actors.iter().flat_map(|actor| &actor.code.exprs);
+        let probed = probes.as_ref().map_or(0, |probes| exprs().map(|expr| probes.cost(expr)).sum());
         Simulator {
             program: Arc::clone(program),
             world: Arc::clone(world),
@@ -116,7 +122,8 @@ impl Simulator {
                 .filter(|slot| !program.entities[world.slots[*slot].entity].signals.is_empty())
                 .collect(),
             remembered: remembered(program),
-            cost: cost as u64,
+            cost: probed + cost as u64,
+            probes,
         }
     }
 

@@ -135,7 +135,7 @@ impl Grid {
     /// A half-open range that contains all tiles whose closed extent overlaps `low..=high`. A tile that is only touched
     /// along its edge counts; one that is missed by a rounding error may be among them.
     #[inline]
-    fn range(&self, low: f64, high: f64) -> (usize, usize) {
+    pub fn range(&self, low: f64, high: f64) -> (usize, usize) {
         let (low, high) = (low * self.per_px.0, high * self.per_px.1);
         // The cast truncates, which is the floor of a non-negative number, and saturates.
         let after = if high < 0.0 { 0 } else { (high as i64).min(self.count - 1) + 1 };

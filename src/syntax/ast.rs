@@ -576,6 +576,8 @@ pub enum ExprKind {
     All(Box<Name>),
     /// `(a, b)`
     Point(Box<[Expr; 2]>),
+    /// `a at (b, c)`: an argument, and the offset by which it is moved.
+    Moved(Box<[Expr; 2]>),
     /// `(a)`
     Paren(Box<Expr>),
     /// `-a`

@@ -50,7 +50,11 @@ impl Builder<'_> {
     pub(super) fn expression(&self, pair: &Pair<'_, Rule>) -> Option<Expr> {
         let mut inner = pair.clone().into_inner();
         if pair.as_rule() == Rule::argument {
-            return self.expression(&inner.next()?);
+            let what = self.expression(&inner.next()?)?;
+            let Some(moved) = inner.next() else { return Some(what) };
+            let offset = self.expression(&moved.into_inner().last()?)?;
+            let span = what.span.to(offset.span);
+            return Some(Expr { kind: ExprKind::Moved(Box::new([what, offset])), span });
         }
         if inner.len() == 1 {
             return self.primary(&inner.next()?); // most expressions have no operator
@@ -149,7 +153,7 @@ impl Builder<'_> {
                 let mut binding = None;
                 for part in inner.iter().skip(1) {
                     match part.as_rule() {
-                        Rule::argument => arguments.push(self.expression(&part.clone().into_inner().next()?)?),
+                        Rule::argument => arguments.push(self.expression(part)?),
                         Rule::binding => binding = parts(part).first().map(|b| self.name(b).into()),
                         _ => {}
                     }

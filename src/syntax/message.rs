@@ -168,8 +168,8 @@ fn words(rules: &[Rule]) -> Vec<String> {
     };
     let in_list = has(Rule::comma) || has(Rule::close_paren) || (has(Rule::plus) && !starts_expression);
     for rule in rules {
-        // After a name a call is possible, but rarely intended.
-        if in_list && *rule == Rule::open_paren {
+        // After a name a call or an offset is possible, but rarely intended.
+        if in_list && matches!(rule, Rule::open_paren | Rule::moved | Rule::word_at) {
             continue;
         }
         if starts_expression && starts_an_expression(*rule) {

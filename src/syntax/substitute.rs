@@ -283,7 +283,9 @@ impl Substitution {
             }
             ExprKind::InMode(path) => self.path(path),
             ExprKind::Any(name) | ExprKind::All(name) => self.name(name),
-            ExprKind::Point(both) => both.iter_mut().for_each(|e| self.expression(e, operators)),
+            ExprKind::Point(both) | ExprKind::Moved(both) => {
+                both.iter_mut().for_each(|e| self.expression(e, operators));
+            }
             ExprKind::Paren(a) => self.expression(a, operators),
             ExprKind::Negate(a) | ExprKind::Not(a) => {
                 *operators += 1;
@@ -324,7 +326,7 @@ impl Substitution {
 fn count(e: &Expr) -> usize {
     match &e.kind {
         ExprKind::Call(call) => call.arguments.iter().map(count).sum(),
-        ExprKind::Point(both) => both.iter().map(count).sum(),
+        ExprKind::Point(both) | ExprKind::Moved(both) => both.iter().map(count).sum(),
         ExprKind::Paren(a) => count(a),
         ExprKind::In(operands) => count(&operands.0),
         ExprKind::Is(operands) => count(&operands.0),

@@ -1,12 +1,14 @@
 //! The value of an expression; truth values are 0 and 1.
 
-use hypedc::ir::{Arithmetic, CompareOp, Function, ModeId, Press, Side, Subject, TagId, TouchId};
+use hypedc::ir::{Arithmetic, CompareOp, Function, ModeId, Press, ProbeId, Side, Subject, TagId, TouchId};
 
 use std::collections::BTreeSet;
 
-use hypedc::sema::checked::{Term, TermKind};
+use hypedc::sema::checked::{BoundProbe, Probe, Term, TermKind};
 
 use super::model::{Contact, Fault, Keys, Oracle, State, Thing};
+use super::probe::Taken;
+use super::step::Passing;
 
 /// The context of an evaluation.
 #[derive(Clone, Copy)]
@@ -18,6 +20,8 @@ pub struct Code<'a> {
     pub keys: Option<(&'a Keys, &'a BTreeSet<u32>)>,
     /// The modes that were entered and those that were left in this step.
     pub joint: Option<(&'a BTreeSet<ModeId>, &'a BTreeSet<ModeId>)>,
+    /// What came and went in this step, after its edges.
+    pub passing: Option<&'a Passing>,
 }
 
 impl<'a> Code<'a> {
@@ -32,6 +36,7 @@ impl<'a> Code<'a> {
             Subject::Slot(slot) => slot.0 as usize,
             Subject::Ref(r) => self.my()?.refs[r.0 as usize]?,
             Subject::Touched(id) => self.touched(id)?,
+            Subject::Probed(id) => self.probed(id)?,
         };
         self.state.things[slot].is_some().then_some(slot)
     }
@@ -45,6 +50,15 @@ impl<'a> Code<'a> {
     pub fn touched(&self, id: TouchId) -> Option<usize> {
         let question = &self.oracle.entity(self.me?).bound[id];
         touching(self.my()?, question.mine, question.other, question.side).filter_map(|c| c.who).min()
+    }
+
+    /// The first instance, by its slot, that a probe with a named result finds.
+    fn probed(&self, id: ProbeId) -> Option<usize> {
+        let BoundProbe { mine, other, offset, .. } = self.oracle.entity(self.me?).probes[id].clone();
+        match self.probe(&Probe { mine, other, offset, bound: Some(id) }) {
+            Ok(Taken::ByInstance(slot)) => Some(slot),
+            _ => None,
+        }
     }
 
     pub fn holds(&self, term: &Term) -> Result<bool, Fault> {
@@ -132,6 +146,7 @@ impl<'a> Code<'a> {
                 let mut all = touching(thing, asked.mine, asked.other, asked.side);
                 truth(all.any(|c| asked.bound.is_none() || c.who.is_some()))
             }
+            TermKind::Probe(asked) => truth(self.probe(asked)? != Taken::Free),
             TermKind::Joint { mode, entering } => {
                 truth(self.joint.is_some_and(|(entered, left)| if *entering { entered } else { left }.contains(mode)))
             }

@@ -35,7 +35,7 @@ impl Oracle<'_> {
         let (entity, dt) = (self.entity(slot), self.dt());
         let was = start.things[slot].as_ref().unwrap();
         let joint = passing.joint.get(&slot).map(|j| (&j.0, &j.1));
-        let code = Code { joint, ..self.played(start, slot, frames) };
+        let code = Code { joint, passing: Some(passing), ..self.played(start, slot, frames) };
         // From the outermost level to the innermost: inner flows replace outer ones.
         let mut drives: BTreeMap<VarId, &Drive> = entity.drives.iter().map(|d| (d.var, d)).collect();
         for mode in was.modes.iter().flatten() {

@@ -307,6 +307,11 @@ impl Generator<'_> {
             return format!("when touching({other}) as e {{ {what} }}");
         }
         if self.draw.chance(5) {
+            let (probe, what) =
+                (self.probe(), self.draw.one(&["destroy e", "n := 1", "x := e.x", "t := none; y := e.y"]));
+            return format!("when {probe} as e {{ {what} }}");
+        }
+        if self.draw.chance(5) {
             return format!("when lost(t) -> {} {{ n := 0 }}", self.mode());
         }
         if self.has_signals && self.draw.chance(25) {
@@ -407,7 +412,8 @@ impl Generator<'_> {
             };
         }
         let played = self.role == Role::Hero;
-        match self.draw.pick(18) {
+        match self.draw.pick(20) {
+            18 | 19 => self.probe(),
             0 if played && self.has_button => "pressed(go)".into(),
             1 if played && self.has_button => "held(go)".into(),
             2 if played && self.has_button => "released(go)".into(),
@@ -436,6 +442,23 @@ impl Generator<'_> {
             }
             _ => "x > y".into(),
         }
+    }
+
+    /// Whether a place is taken.
+    fn probe(&mut self) -> String {
+        let offset = |g: &mut Self| match g.draw.pick(8) {
+            1 => "l".into(),
+            2 => "-l".into(),
+            3 => "n * l".into(),
+            4 => "if(f, l, -l)".into(),
+            5 if g.role == Role::Hero && g.has_axis => "h * l".into(),
+            6 => "x - 24".into(),
+            7 => "0".into(),
+            _ => g.length(),
+        };
+        let (x, y) = (offset(self), offset(self));
+        let mine = if self.draw.chance(10) { "coin" } else { self.role.tag() };
+        format!("touching({mine} at ({x}, {y}), {})", self.other())
     }
 
     fn world(&mut self) {

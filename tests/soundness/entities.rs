@@ -303,13 +303,14 @@ impl Generator<'_> {
         } else if is_named {
             let of = self.any_plan();
             let (tag, name) = (self.plans[of].tag, self.plans[of].name.clone());
+            let touching = self.maybe_probe(tag).unwrap_or(format!("touching({tag})"));
             match self.draw.pick(3) {
-                0 => (format!("touching({tag}) as seen"), Some(None)),
+                0 => (format!("{touching} as seen"), Some(None)),
                 1 => {
                     let (there, here) = (self.axes.read("seen.", "x"), self.axes.read("", "x"));
-                    (format!("touching({tag}) as seen and {there} > {here}"), Some(None))
+                    (format!("{touching} as seen and {there} > {here}"), Some(None))
                 }
-                _ => (format!("touching({tag}) as seen and seen is {name} and seen.count < 3"), Some(Some(of))),
+                _ => (format!("{touching} as seen and seen is {name} and seen.count < 3"), Some(Some(of))),
             }
         } else if self.palette.signals && self.draw.chance(50) {
             let guard = self.draw.one(&[

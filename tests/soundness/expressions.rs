@@ -176,12 +176,35 @@ impl Generator<'_> {
             _ => "",
         };
         let mine = self.plan().tag;
+        if let Some(probe) = self.maybe_probe(&other) {
+            return probe;
+        }
         match (self.draw.chance(25), side) {
             (false, "") => format!("touching({other})"),
             (true, "") => format!("touching({mine}, {other})"),
             (false, side) => format!("touching({other}, {side})"),
             (true, side) => format!("touching({mine}, {other}, {side})"),
         }
+    }
+
+    /// Every third question about a contact is one about a place instead, so that all other choices are the same as
+    /// without.
+    pub fn maybe_probe(&mut self, other: &str) -> Option<String> {
+        const OFFSETS: [(&str, &str); 9] = [
+            ("size", "0"),
+            ("0", "-1"),
+            ("-size", "0"),
+            ("16", "8"),
+            ("if(flag, size, -size)", "0"),
+            ("0", "size * count"),
+            ("40", "-40"),
+            ("0", "0"),
+            ("size * n", "size / 2"),
+        ];
+        self.asked += 1;
+        let (x, y) = OFFSETS[self.asked / 3 % OFFSETS.len()];
+        let (mine, x) = (self.plan().tag, self.axes.beside(x, ""));
+        self.asked.is_multiple_of(3).then(|| format!("touching({mine} at ({x}, {y}), {other})"))
     }
 
     /// A guard.

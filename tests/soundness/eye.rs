@@ -7,6 +7,8 @@ use hypedc::ir::{
 use hypedc::sim::Input;
 use hypedc::sim::state::{buttons, real};
 
+use super::look::Place;
+
 /// Receives what is read.
 pub trait Notes {
     fn note(&self, what: &str);
@@ -55,6 +57,13 @@ impl<'a> Eye<'a> {
             Subject::Slot(slot) => Some(slot),
             Subject::Ref(id) => mine.reference(self.state, id),
             Subject::Touched(id) => mine.touched(self.state, id),
+            Subject::Probed(id) => match self.program.exprs[self.entity(self.me).probes[id]] {
+                Expr::Probe { mine, other, offset, bound } => match self.look((mine, other), offset, bound)? {
+                    Place::Instance(slot) => Some(slot),
+                    Place::Free | Place::Static => None,
+                },
+                _ => None,
+            },
         }
     }
 
@@ -170,6 +179,13 @@ impl<'a> Eye<'a> {
                     _ => "touching",
                 };
                 atom(name, holds)
+            }
+            Expr::Probe { mine, other, offset, bound } => {
+                let found = self.look((mine, other), offset, bound)?;
+                if matches!(found, Place::Instance(_)) {
+                    self.notes.note("a place with an instance");
+                }
+                atom(if bound { "touching at, as" } else { "touching at" }, found != Place::Free)
             }
             Expr::Joint(mode, is_entering) => {
                 let modes = &self.entity(self.me).modes;

@@ -62,6 +62,8 @@ pub struct Generator<'c> {
     pub depth: usize,
     /// Number of guards and predicates that could have a name so far.
     pub nameable: usize,
+    /// Number of contact queries so far, some of which become probes.
+    pub asked: usize,
 }
 
 /// What a program may use: each world does without most of it, so that what it does use shows, and much can be proven
@@ -199,6 +201,7 @@ pub fn program(choices: &[u16], frame: Frame) -> String {
         may: May::All,
         depth: 0,
         nameable: 0,
+        asked: 0,
     };
     let world = match situation {
         Some(situation) => g.stage(situation),

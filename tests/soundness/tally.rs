@@ -348,7 +348,7 @@ impl Tally {
             self.note(match update.value {
                 RefValue::None => "a reference is cleared",
                 RefValue::Of(Subject::Me) => "a reference is set to self",
-                RefValue::Of(Subject::Touched(_)) => "a reference is set to what is touched",
+                RefValue::Of(Subject::Touched(_) | Subject::Probed(_)) => "a reference is set to what is touched",
                 RefValue::Of(_) => "a reference is set to another",
             });
         }
@@ -381,6 +381,7 @@ impl Tally {
                 RefValue::None => continue,
                 RefValue::Of(Subject::Me) => "destroy self",
                 RefValue::Of(Subject::Touched(_)) => "destroy what is touched",
+                RefValue::Of(Subject::Probed(_)) => "destroy what a probe finds",
                 RefValue::Of(_) => "destroy a reference",
             });
         }
@@ -658,6 +659,7 @@ const EVENTS: &[&str] = &[
     "a signal to nobody",
     "destroy self",
     "destroy what is touched",
+    "destroy what a probe finds",
     "destroy a reference",
     "an instance begins",
     "an instance begins where a placed one is gone",
@@ -665,6 +667,7 @@ const EVENTS: &[&str] = &[
     "a player leaves its bounds",
     "a second player",
     "a tile sets a reference",
+    "a place with an instance",
     "a player is told apart by place",
     "walls half a pixel apart",
     "a dash out of a room",
@@ -741,6 +744,8 @@ const ATOMS: &[&str] = &[
     "touching",
     "touching on a side",
     "touching as",
+    "touching at",
+    "touching at, as",
     "entering",
     "exiting",
     "received",

@@ -22,6 +22,7 @@ syn match hypedFunction /\<\%(min\|max\|abs\|sign\|floor\|ceil\|round\|sqrt\|sin
 syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\|count\|received\)\>\ze\s*(/
 syn match hypedOperatorWord /\<\%(any\|all\)\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\)\>\)\@!\K/ nextgroup=hypedType skipwhite
 syn match hypedOperatorWord /\%([[:keyword:])']\s\+\)\@<=touching\>\ze\s*\%("\|\s\%(and\|or\|not\|in\|is\|as\|when\|mode\)\@!\K\)/
+syn match hypedOperatorWord /\%([[:keyword:]"]\s\+\)\@<=at\>\ze\s*(/
 syn match hypedType /\%(\%(self\|when\)\>\)\@!\<\K\k*/ contained
 syn match hypedPrimes /\k\@1<='\+/
 syn match hypedNumber /\<\d\+\%(\.\d\+\)\?\%(frames\|ms\|s\)\?\>/

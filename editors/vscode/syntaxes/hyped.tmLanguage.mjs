@@ -234,6 +234,7 @@ const repository = {
       groups(r`\b(any|all)\s+(${FREE})`, 'keyword.operator.word', 'entity.name.type'),
       groups(r`${AFTER_OPERAND}(touching)\s+(${TAG})`, 'keyword.operator.word', 'entity.name.tag'),
       groups(r`${AFTER_OPERAND}(touching)\s*("[^"]*")`, 'keyword.operator.word', 'string.quoted.double.tag'),
+      groups(r`(?<=[\p{L}\p{N}_"])\s+(at)(?=\s*\()`, 'keyword.operator.word'),
       groups(r`\b(is)\s+(?!none\b)(${NAME})`, 'keyword.operator.word', 'entity.name.type'),
       groups(r`\b(and|or|not|in|is|as)\b`, 'keyword.operator.word'),
       groups(r`\b(true|false)\b`, 'constant.language.boolean'),

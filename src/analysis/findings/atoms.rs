@@ -64,7 +64,7 @@ impl Reads {
             | Expr::And(..)
             | Expr::Or(..)
             | Expr::Call(..) => {}
-            Expr::Near { .. } => {
+            Expr::Near { .. } | Expr::Probe { .. } => {
                 self.others = true;
                 self.motion = true;
             }

@@ -8,7 +8,8 @@ pub(in crate::analysis) mod narrowing;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
-    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, VarId, World,
+    DiscreteId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, VarId,
+    World,
 };
 
 use crate::watch::Watch;
@@ -146,7 +147,7 @@ impl<'a> Analysis<'a> {
             watch,
             is_stopped: false,
             is_narrowing: false,
-            is_read: program.entities.iter().any(|entity| reads_others(entity)),
+            is_read: program.entities.iter().any(|entity| reads_others(program, entity)),
             thresholds: Thresholds::default(),
         };
         analysis.overall = world.slots.ids().map(|s| analysis.overall(s)).collect();
@@ -337,8 +338,10 @@ impl<'a> Analysis<'a> {
     pub fn run(&mut self) {
         // The guards of links read the instances of the world.
         let is_guarded = self.world.spaces.iter().any(|space| space.links.iter().any(|link| link.guard.is_some()));
-        let reads_others = |entity: &Entity| reads_others(entity) || (is_guarded && !entity.follows.is_empty());
-        let reads_others: IdVec<SlotId, bool> = self.world.slots.ids().map(|s| reads_others(self.entity(s))).collect();
+        let reads_others =
+            |entity: &Entity| reads_others(self.program, entity) || (is_guarded && !entity.follows.is_empty());
+        let of: IdVec<EntityId, bool> = self.program.entities.iter().map(|entity| reads_others(entity)).collect();
+        let reads_others: IdVec<SlotId, bool> = self.world.slots.iter().map(|slot| of[slot.entity]).collect();
         let firsts: Vec<SlotId> = self.world.slots.ids().filter(|s| self.is_first(*s)).collect();
         let mut others_changed = true;
         if self.effort == 0 {
@@ -590,8 +593,11 @@ impl<'a> Analysis<'a> {
 }
 
 /// Whether instances of an entity read others.
-fn reads_others(entity: &Entity) -> bool {
-    !entity.refs.is_empty() || entity.touches.iter().any(|t| t.bound)
+fn reads_others(program: &Program, entity: &Entity) -> bool {
+    let mut code = (entity.code.from.0..entity.code.to.0).map(ExprId);
+    !entity.refs.is_empty()
+        || entity.touches.iter().any(|t| t.bound)
+        || code.any(|id| matches!(program.exprs[id], Expr::Probe { .. }))
 }
 
 /// Restricts discrete variables to their bounds.

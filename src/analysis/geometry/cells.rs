@@ -102,17 +102,24 @@ impl Cells {
         ])
     }
 
-    /// Cells between all lines at which pushes end, if there are not too many. `blocking` returns the positions inside
+    /// Cells between all lines at which pushes end and the answers of probes change, if there are not too many. `probed`
+    /// returns the latter, `blocking` the positions inside
     /// blocking obstacles of a space.
     pub fn fine(
         kind: &Kind,
         entity: &Entity,
         surfaces: &[(SpaceId, Arc<Surfaces>)],
+        probed: impl Fn(SpaceId) -> [Vec<f64>; 2],
         blocking: impl Fn(SpaceId) -> Vec<[Interval; 2]>,
     ) -> Option<Cells> {
-        let around = kind.near?;
+        let probed: Vec<[Vec<f64>; 2]> = surfaces.iter().map(|(space, _)| probed(*space)).collect();
+        let hull = |axis: usize| {
+            let lines = probed.iter().flat_map(|lines| &lines[axis]).map(|x| Interval::point(*x));
+            lines.chain(kind.near.map(|near| near[axis])).reduce(Interval::or)
+        };
+        let around = [hull(0)?, hull(1)?];
         let mut out = Fine { grids: Vec::new(), discretes: Vec::new(), count: 0 };
-        for (space, surfaces) in surfaces {
+        for ((space, surfaces), probed) in surfaces.iter().zip(probed) {
             let lines = [0, 1].map(|axis| {
                 let [mut lines, mut others] = surfaces.lines(axis);
                 [&mut lines, &mut others].into_iter().for_each(in_order);
@@ -126,6 +133,10 @@ impl Cells {
                 in_order(&mut lines);
                 lines.retain(|x| thin.iter().all(|t| (t - x).abs() > ROUNDING / 2.0));
                 lines.extend(thin.into_iter().flat_map(|x| [x - THIN, x + THIN]));
+                if !probed[axis].is_empty() {
+                    lines.extend(&probed[axis]);
+                    in_order(&mut lines);
+                }
                 lines.push(around[axis].low - MARGIN);
                 lines.push(around[axis].high + MARGIN);
                 lines.sort_by(f64::total_cmp);

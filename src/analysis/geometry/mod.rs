@@ -6,6 +6,7 @@ pub(in crate::analysis) mod kind_summary;
 pub(in crate::analysis) mod local;
 pub(in crate::analysis) mod placement;
 pub(in crate::analysis) mod presence;
+pub(in crate::analysis) mod probe_lines;
 pub(in crate::analysis) mod region;
 pub(in crate::analysis) mod scene;
 pub(in crate::analysis) mod statics;

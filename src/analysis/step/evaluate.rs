@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::ir::{
-    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, Program,
-    SlotId, SpaceId, Subject, TouchId, VarId, World, call,
+    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, ProbeId,
+    Program, SlotId, SpaceId, Subject, TagId, TouchId, VarId, World, call,
 };
 
 use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
@@ -13,6 +13,8 @@ use crate::analysis::domain::received::Received;
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::surroundings::Surroundings;
+
+use super::probe::There;
 
 /// The phase of the simulator in which an expression is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,13 +55,20 @@ enum Named {
     Of(EntityId),
     /// Those that a bound contact query of an entity can find.
     By(EntityId, TouchId),
+    /// Those that a bound probe of an entity can find.
+    At(EntityId, ProbeId),
 }
+
+/// For each tag, the colliders that probes can find, at the start of a step or (true) within it.
+type Probed = BTreeMap<(TagId, bool), Arc<[There]>>;
 
 /// The join over the instances that a subject can name: cached until the slots change.
 #[derive(Debug, Default)]
 pub(in crate::analysis) struct Joined {
     values: Mutex<BTreeMap<(Named, Part), Values>>,
     alive: Mutex<BTreeMap<Named, Arc<[SlotId]>>>,
+    /// What probes can find.
+    pub(super) probed: Mutex<Probed>,
 }
 
 impl Joined {
@@ -98,7 +107,7 @@ pub(in crate::analysis) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn entity(&self, slot: SlotId) -> &'a Entity {
+    pub(super) fn entity(&self, slot: SlotId) -> &'a Entity {
         &self.program.entities[self.world.slots[slot].entity]
     }
 
@@ -116,6 +125,7 @@ impl<'a> Reader<'a> {
                         Named::Any => true,
                         Named::Of(declared) => declared == entity,
                         Named::By(me, touch) => self.program.can_be(me, Subject::Touched(touch), entity),
+                        Named::At(me, probe) => self.program.can_be(me, Subject::Probed(probe), entity),
                     };
                     is_named && self.slots[*slot].can_live
                 };
@@ -132,6 +142,7 @@ impl<'a> Reader<'a> {
         let declared = match of {
             Subject::Ref(id) => self.entity(me).refs[id].entity.map_or(Named::Any, Named::Of),
             Subject::Touched(id) => Named::By(self.world.slots[me].entity, id),
+            Subject::Probed(id) => Named::At(self.world.slots[me].entity, id),
             Subject::Me | Subject::Slot(_) => Named::Any,
         };
         tested.unwrap_or(declared)
@@ -171,17 +182,17 @@ impl<'a> Reader<'a> {
     }
 
     /// Whether others are read after the discrete phase.
-    fn is_within_step(&self) -> bool {
+    pub(super) fn is_within_step(&self) -> bool {
         self.phase != Phase::Discrete
     }
 
     /// The state of another instance after the discrete phase, if it is read then.
-    fn mid_step<'o>(&self, o: &'o Overall) -> Option<&'o MidStep> {
+    pub(super) fn mid_step<'o>(&self, o: &'o Overall) -> Option<&'o MidStep> {
         self.is_within_step().then_some(&o.mid_step)
     }
 
     /// A variable of another instance.
-    fn var(&self, o: &Overall, var: VarId, degree: usize) -> Option<Values> {
+    pub(super) fn var(&self, o: &Overall, var: VarId, degree: usize) -> Option<Values> {
         let mid_step = self.mid_step(o).and_then(|b| b.vars.get(var));
         Some(o.vars.get(var)?[degree].or(mid_step.map_or(&Values::none(), |v| &v[degree])))
     }
@@ -351,6 +362,7 @@ impl<'a> Reader<'a> {
                 };
                 Truth { can_hold: self.candidates(of).iter().any(can), can_fail: true }
             }
+            Expr::Probe { .. } => self.probe(id),
             Expr::Alive(slot) if self.configuration_of(Subject::Slot(slot)).is_some() => Truth::of(true),
             Expr::Alive(slot) => {
                 let Overall { can_live, can_be_absent, .. } = self.slots[slot];
@@ -460,6 +472,7 @@ impl<'a> Reader<'a> {
                 }
                 !at.is_impossible()
             }
+            (Expr::Probe { .. }, _) => self.refine_by_probe(at, guard, holds),
             _ => true,
         }
     }

@@ -209,6 +209,20 @@ impl Fact for NotConstant {
     }
 }
 
+/// The offset of a probe that reads a contact or another instance.
+pub struct ForeignOffset {
+    /// The part that reads it.
+    pub at: Span,
+}
+
+impl Fact for ForeignOffset {
+    fn into_diagnostic(self) -> Diagnostic {
+        Diagnostic::new(Code::NotConstant, "the offset of a probe cannot depend on this")
+            .at(self.at, "not of the instance itself")
+            .help("it may read variables, parameters, modes, timers and inputs of the instance; others ask by probes of their own")
+    }
+}
+
 /// `a < b > c`
 pub struct BadChain {
     /// The chain.

@@ -54,6 +54,11 @@ pub const SIGNATURES: &[Signature] = &[
     },
     Signature { name: "touching", parameters: &["own tag", "tag", "side"], doc: "Only on one of its sides." },
     Signature {
+        name: "touching",
+        parameters: &["own tag at (x, y)", "tag"],
+        doc: "Whether a place is taken: this instance's collider, moved by (x, y), would overlap something with the tag.",
+    },
+    Signature {
         name: "timer",
         parameters: &["mode"],
         doc: "Seconds since the mode was entered; 0 while it is not active.",

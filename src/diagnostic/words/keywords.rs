@@ -367,7 +367,12 @@ pub const MEANINGS: &[Meaning] = &[
         "Makes an instance with a name. The block sets parameters, first values of variables, and references.",
         "place slime: Slime at (96, 16) { speed = 40 }",
     ),
-    means("at", "Where an instance begins, or where a link leads: px, from the space's lower-left corner.", LINK),
+    means(
+        "at",
+        "Where an instance begins, or where a link leads: px, from the space's lower-left corner. In `touching(body at \
+         (16, 0), wall)`: how far the collider is moved, to ask whether that place is taken.",
+        "when pressed(jump) and not touching(body at (0, 16), wall) { y := y + 16 }",
+    ),
     means(
         "link",
         "A way from a rectangle of this space to one of another space, for those in a mode with `follow links`.",

@@ -82,6 +82,7 @@ fn shell(e: &checked::Entity) -> Entity {
             .map(|b| Touch { mine: b.mine.map_or(TagSet::ALL, TagSet::of), other: b.other, side: b.side, bound: true })
             .collect(),
         bound: e.bound.len(),
+        probes: RareVec::new(),
         timers: RareVec::new(),
         spawns: RareVec::new(),
         signals: e.signals.iter().map(signal).collect(),
@@ -136,6 +137,11 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
     for (index, discrete) in e.discretes.pairs() {
         let first = program.term(&discrete.initial, &context);
         program.entity_mut(id).discretes[index].first = first;
+    }
+    for probe in e.probes.iter() {
+        let offset = probe.offset.each_ref().map(|offset| program.term(offset, &context));
+        let probe = program.push(Expr::Probe { mine: probe.mine, other: probe.other, offset, bound: true }, probe.span);
+        program.entity_mut(id).probes.push(probe);
     }
     for collider in e.colliders.iter() {
         let shape = match &collider.shape {

@@ -27,7 +27,7 @@ impl Context<'_> {
             Subject::Me => self.me.unwrap_or(EntityId(0)),
             Subject::Slot(slot) => (self.slots)(slot),
             // Contact queries exist only for the instance itself and for named instances.
-            Subject::Ref(_) | Subject::Touched(_) => self.me.unwrap_or(EntityId(0)),
+            Subject::Ref(_) | Subject::Touched(_) | Subject::Probed(_) => self.me.unwrap_or(EntityId(0)),
         }
     }
 }
@@ -110,6 +110,14 @@ impl Program {
                     self.touch(context.entity(of), Touch { mine, other, side, bound: false }, term.span)
                 });
                 Expr::Touching(of, touch)
+            }
+            TermKind::Probe(asked) => {
+                let checked::Probe { mine, other, offset, bound } = &**asked;
+                if let Some(probe) = bound.and_then(|id| self.entities[context.entity(Subject::Me)].probes.get(id)) {
+                    return *probe;
+                }
+                let offset = offset.each_ref().map(|offset| self.term(offset, context));
+                Expr::Probe { mine: *mine, other: *other, offset, bound: false }
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),

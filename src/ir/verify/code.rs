@@ -136,6 +136,12 @@ impl<'p> Code<'p> {
                 exists(entity, &program.entities)
             }
             Expr::Alive(slot) => self.subject(owner, Subject::Slot(slot)),
+            Expr::Probe { mine, other, offset, .. } => {
+                me()?;
+                exists(mine, &program.tags)?;
+                exists(other, &program.tags)?;
+                ensure(offset.iter().all(|id| self.is_own(*id)), "an offset reads more than its own instance")
+            }
             Expr::InSpace(subject, space) => {
                 self.subject(owner, subject)?;
                 match owner {
@@ -156,6 +162,61 @@ impl<'p> Code<'p> {
         }
     }
 
+    /// Whether an expression reads nothing but the values, modes and inputs of its own instance.
+    fn is_own(&self, id: ExprId) -> bool {
+        let left = self.budget.get();
+        self.budget.set(left.saturating_sub(1));
+        let expr = self.program.exprs[id];
+        let is_own = match expr {
+            Expr::Param(of, _) | Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::InMode(of, _) => of == Subject::Me,
+            Expr::Touching(..)
+            | Expr::Probe { .. }
+            | Expr::Joint(..)
+            | Expr::Received(_)
+            | Expr::Sum(_)
+            | Expr::IsNone(_)
+            | Expr::Is(..)
+            | Expr::Alive(_)
+            | Expr::InSpace(..)
+            | Expr::Near { .. } => false,
+            Expr::Number(_)
+            | Expr::Frames(_)
+            | Expr::Bool(_)
+            | Expr::Axis(_)
+            | Expr::Timer(_)
+            | Expr::Button(..)
+            | Expr::Negate(_)
+            | Expr::Arithmetic(..)
+            | Expr::Call(..)
+            | Expr::Compare(..)
+            | Expr::And(..)
+            | Expr::Or(..)
+            | Expr::Not(_) => true,
+        };
+        left > 0 && is_own && expr.operands().into_iter().all(|operand| self.is_own(operand))
+    }
+
+    /// Whether an expression asks no probe, which a collider may not: it would ask where colliders are.
+    pub fn asks_no_probe(&self, id: ExprId) -> bool {
+        let left = self.budget.get();
+        self.budget.set(left.saturating_sub(1));
+        let expr = self.program.exprs[id];
+        let asks = match expr {
+            Expr::Probe { .. } => true,
+            Expr::Param(of, _)
+            | Expr::Var(of, ..)
+            | Expr::Discrete(of, _)
+            | Expr::InMode(of, _)
+            | Expr::Touching(of, _)
+            | Expr::IsNone(of)
+            | Expr::Is(of, _)
+            | Expr::InSpace(of, _)
+            | Expr::Near { of, .. } => matches!(of, Subject::Probed(_)),
+            _ => false,
+        };
+        left > 0 && !asks && expr.operands().into_iter().all(|operand| self.asks_no_probe(operand))
+    }
+
     /// Checks that a subject exists.
     pub fn subject(&self, owner: Owner, subject: Subject) -> Checked {
         match (owner, subject) {
@@ -165,6 +226,7 @@ impl<'p> Code<'p> {
                 exists(id, &self.program.entities[me].touches)?;
                 ensure(id.index() < self.program.entities[me].bound, "the contact query does not keep whom it finds")
             }
+            (Owner::Entity(me), Subject::Probed(id)) => exists(id, &self.program.entities[me].probes),
             (Owner::World(world), Subject::Slot(slot)) => exists(slot, &self.program.worlds[world].slots),
             (Owner::Entity(_), Subject::Slot(_)) => Err(Invalid::new("an entity knows no instances of a world")),
             (Owner::World(_), _) => Err(Invalid::new("a world has no references and contacts of its own")),

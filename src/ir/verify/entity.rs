@@ -2,7 +2,7 @@
 //! driven, updated, spawned and destroyed exists.
 
 use crate::ir::{
-    Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, ExprId,
+    Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
     Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_MODES, Mode, ModeId, Param,
     Place, Program, RefUpdate, Reference, Release, Send, Signal, Spawn, Timer, Touch, Update, VarId,
 };
@@ -56,6 +56,7 @@ impl EntityVerifier<'_> {
             leaves: _,
             touches,
             bound,
+            probes,
             timers,
             spawns: _,
             signals,
@@ -93,7 +94,14 @@ impl EntityVerifier<'_> {
         each("colliders", colliders, |_, Collider { tags: of, kinematic: _, shape, guard }| {
             tags(*of, self.program).at("tags")?;
             shape.numbers().iter().try_for_each(|number| self.expr(*number)).at("shape")?;
-            self.optional(*guard).at("guard")
+            self.optional(*guard).at("guard")?;
+            let mut read = shape.numbers().iter().chain(guard);
+            ensure(read.all(|id| self.code.asks_no_probe(*id)), "a probe asks for it")
+        })?;
+        each("probes", probes, |_, probe| {
+            self.expr(*probe)?;
+            let is_bound = matches!(self.program.exprs[*probe], Expr::Probe { bound: true, .. });
+            ensure(is_bound, "it is not a probe that keeps whom it finds")
         })?;
         ensure(*bound <= touches.len(), "there are not as many contact queries").at("bound")?;
         each("touches", touches, |id, Touch { mine, other, side: _, bound: keeps }| {

@@ -135,11 +135,14 @@ impl CompletionCollector<'_> {
                     self.declared_after(from, &[NameKind::Button, NameKind::Argument]);
                 }
             }
+            // `touching(body at (16, 0), wall)`
+            "touching" if argument == 0 && !matches!(cursor.previous(1), "(" | "at") => self.words(&["at"]),
             "touching" => {
                 if argument < 2 {
                     self.names_of_kind(NameKind::Tag);
                 }
-                if argument > 0 {
+                // A place has no sides.
+                if argument > 0 && !cursor.statement.contains(&"at") {
                     let sides = ["left", "right", "above", "below"];
                     sides.iter().for_each(|s| self.add(1, s, CompletionKind::Value, "side"));
                 }
@@ -374,7 +377,12 @@ impl CompletionCollector<'_> {
             self.functions(is_arithmetic);
             self.words(&["and", "or", "not", "true", "false"]);
         } else {
-            self.functions(|name| !matches!(name, "near" | "inside" | "count" | "rect" | "circle"));
+            // The offset of a probe reads only the instance itself.
+            let is_offset = cursor.calls.last().is_some_and(|call| call.name == "at");
+            let is_foreign = |name: &str| matches!(name, "touching" | "entering" | "exiting" | "lost" | "received");
+            self.functions(|name| {
+                !(matches!(name, "near" | "inside" | "count" | "rect" | "circle") || is_offset && is_foreign(name))
+            });
             self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);
         }
     }

@@ -215,7 +215,7 @@ fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
     match &term.kind {
         TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
         // Truth values and references have none.
-        TermKind::And(_) | TermKind::Or(_) | TermKind::Near(_) | TermKind::Count(_) => {}
+        TermKind::And(_) | TermKind::Or(_) | TermKind::Near(_) | TermKind::Probe(_) | TermKind::Count(_) => {}
         _ => term.operands().iter().for_each(|operand| leaves(operand, out)),
     }
 }

@@ -19,6 +19,7 @@ use crate::analysis::geometry::body::{Body, Extent, Kind, Pair, near};
 use crate::analysis::geometry::cells::{Cells, near_statics};
 use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::presence::Presence;
+use crate::analysis::geometry::probe_lines::probe_lines;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::statics::Statics;
 
@@ -181,7 +182,10 @@ impl<'a> Scene<'a> {
             whole.bodies.iter_mut().for_each(|b| b.is_live = true);
             let blocking = |space| self.blocking(&whole, space);
             let entity = &self.program.entities[kind.entity];
-            if let Some(cells) = Cells::fine(kind, entity, &surfaces, blocking) {
+            let probed = |space| probe_lines(self.program, self.world, kind, space, &self.meter);
+            let cells = Cells::fine(kind, entity, &surfaces, probed, blocking);
+            let without = || Cells::fine(kind, entity, &surfaces, |_| [Vec::new(), Vec::new()], blocking);
+            if let Some(cells) = cells.or_else(without) {
                 self.cells[number] = cells;
                 self.surfaces[number] = surfaces;
                 is_refined = true;
@@ -337,11 +341,15 @@ fn collider_groups(program: &Program, entity: &Entity) -> Vec<bool> {
 }
 
 /// The groups whose leaves determine the flows of an entity: those that drive its variables, or all if a flow reads
-/// modes. `None` if a flow reads timers.
+/// modes. `None` if a flow reads timers. A probe reads what the colliders read.
 fn flow_groups(program: &Program, entity: EntityId) -> Option<Vec<bool>> {
     let entity = &program.entities[entity];
     let mut asks_for_modes = false;
-    for id in program.with_operands(entity.flow_exprs()) {
+    let mut read = entity.flow_exprs();
+    if program.with_operands(read.clone()).iter().any(|id| matches!(program.exprs[*id], Expr::Probe { .. })) {
+        read.extend(entity.colliders.iter().flat_map(|c| c.shape.numbers().iter().copied().chain(c.guard)));
+    }
+    for id in program.with_operands(read) {
         match program.exprs[id] {
             Expr::Timer(_) => return None,
             Expr::InMode(..) | Expr::Joint(..) => asks_for_modes = true,

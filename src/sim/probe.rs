@@ -1,0 +1,191 @@
+//! Probes: whether a collider, moved by an offset, overlaps something with a tag. Answered where a guard asks, on the
+//! state that it reads: nothing is stored, and a program without probes has no tables for them.
+
+use crate::ir::{Bounds, Expr, Program, SlotId, SpaceId, TagId, TagSet, World};
+
+use super::actor::Actor;
+use super::collision::{Body, Collision};
+use super::contact::{Rect, TOLERANCE, sinks_in};
+use super::evaluate::Reader;
+use super::simulator::Simulator;
+use super::state::leaf_at;
+
+/// For each tag that a probe names, what has it.
+#[derive(Debug)]
+pub(super) struct Probes {
+    of: Vec<Option<Tagged>>,
+}
+
+/// What has a tag.
+#[derive(Debug, Default)]
+struct Tagged {
+    /// The colliders, in the order of their slots.
+    bodies: Vec<usize>,
+    /// For each space, the kinds of tiles; empty if no tile of its map has the tag.
+    tiles: Vec<Vec<bool>>,
+    /// For each space, its free-standing rectangles.
+    rects: Vec<Vec<Bounds>>,
+}
+
+/// What a probe finds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Found {
+    Nothing,
+    /// A tile or a rectangle.
+    Static,
+    Instance(SlotId),
+}
+
+impl Probes {
+    /// The tables of a world; `None` if no instance asks.
+    pub fn new(program: &Program, world: &World, collision: &Collision, actors: &[Actor]) -> Option<Box<Probes>> {
+        let mut of: Vec<Option<Tagged>> = Vec::new();
+        for expr in actors.iter().flat_map(|actor| &actor.code.exprs) {
+            let Expr::Probe { mine, other, .. } = *expr else { continue };
+            of.resize_with(program.tags.len().max(of.len()), || None);
+            for tag in [mine, other] {
+                let entry = of.get_mut(tag.0 as usize)?;
+                entry.get_or_insert_with(|| Tagged::new(world, collision, TagSet::of(tag)));
+            }
+        }
+        (!of.is_empty()).then(|| Box::new(Probes { of }))
+    }
+
+    fn tagged(&self, tag: TagId) -> Option<&Tagged> {
+        self.of.get(tag.0 as usize)?.as_ref()
+    }
+
+    /// The number of colliders that a probe looks at.
+    pub fn cost(&self, expr: &Expr) -> u64 {
+        let Expr::Probe { other, .. } = *expr else { return 0 };
+        self.tagged(other).map_or(0, |tagged| tagged.bodies.len() as u64)
+    }
+}
+
+impl Tagged {
+    fn new(world: &World, collision: &Collision, tag: TagSet) -> Tagged {
+        let has = |(_, body): &(usize, &Body)| collision.kinds[body.kind].tags.meets(tag);
+        let mut out = Tagged {
+            bodies: collision.bodies.iter().enumerate().filter(has).map(|(at, _)| at).collect(),
+            ..Tagged::default()
+        };
+        for space in world.spaces.iter() {
+            let kinds = space.map.iter().flat_map(|map| &map.kinds);
+            let tiles: Vec<bool> = kinds.map(|kind| kind.tags.iter().any(|t| TagSet::of(*t).meets(tag))).collect();
+            out.tiles.push(if tiles.contains(&true) { tiles } else { Vec::new() });
+            out.rects.push(space.solids.iter().filter(|s| s.tags.meets(tag)).map(|s| s.bounds).collect());
+        }
+        out
+    }
+}
+
+impl Simulator {
+    /// What one's own colliders tagged `mine`, moved by `offset`, overlap of what is tagged `other`. Of several instances
+    /// it is the one with the lowest slot; `bound` leaves out tiles and rectangles.
+    // Not inlined: it is rare, and would enlarge every guard.
+    #[inline(never)]
+    pub(super) fn probe(
+        &self,
+        reader: &Reader<'_>,
+        (mine, other): (TagId, TagId),
+        offset: (f64, f64),
+        bound: bool,
+    ) -> Found {
+        let tables = self.probes.as_ref().and_then(|probes| probes.tagged(mine).zip(probes.tagged(other)));
+        let Some((own, asked)) = tables else { return Found::Nothing };
+        let bodies = &self.collision.bodies;
+        let mut found = Found::Nothing;
+        let from = own.bodies.partition_point(|&at| bodies[at].slot < reader.me);
+        for &at in own.bodies[from..].iter().take_while(|&&at| bodies[at].slot == reader.me) {
+            let Some(rect) = self.rect_of(&bodies[at], reader) else { continue };
+            let rect = rect.moved(offset);
+            if !bound && self.overlaps_static(&rect, asked) {
+                return Found::Static;
+            }
+            for body in asked.bodies.iter().map(|&at| &bodies[at]).filter(|body| body.slot != reader.me) {
+                if matches!(found, Found::Instance(lowest) if body.slot >= lowest) {
+                    break;
+                }
+                if self.rect_of(body, reader).is_some_and(|there| overlap(&rect, &there)) {
+                    found = Found::Instance(body.slot);
+                    if !bound {
+                        return found;
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The box of a collider in the state that is read; `None` if it is not there.
+    fn rect_of(&self, body: &Body, reader: &Reader<'_>) -> Option<Rect> {
+        let state = reader.state;
+        if !body.layout.acts(state) {
+            return None;
+        }
+        if let Some((at, leaves)) = &body.by_leaf
+            && !leaves[leaf_at(state, *at).0 as usize]
+        {
+            return None;
+        }
+        let [x, y, width, height] = match body.fixed {
+            Some(sides) if body.is_plain => sides,
+            _ => self.evaluate_box(body, state, reader.frames, reader.fault)?,
+        };
+        if !(width > 0.0 && height > 0.0) {
+            return None;
+        }
+        let (px, py) = body.layout.position(state);
+        let (left, bottom) = (px + x, py + y);
+        let round = body.shape.is_round();
+        let space = body.layout.space(state).0;
+        Some(Rect {
+            left,
+            right: left + width,
+            bottom,
+            top: bottom + height,
+            active: true,
+            space,
+            round,
+            ..Rect::default()
+        })
+    }
+
+    /// Whether a box overlaps a tile or a rectangle of its space that has a tag.
+    fn overlaps_static(&self, rect: &Rect, asked: &Tagged) -> bool {
+        let of = |b: &Bounds| Rect {
+            left: b.left,
+            right: b.right,
+            bottom: b.bottom,
+            top: b.top,
+            space: rect.space,
+            ..*rect
+        };
+        let fixed = |b: &Bounds| overlap(rect, &Rect { round: false, ..of(b) });
+        if asked.rects[rect.space as usize].iter().any(fixed) {
+            return true;
+        }
+        let kinds = &asked.tiles[rect.space as usize];
+        let Some(map) = self.world().spaces[SpaceId(rect.space)].map.as_ref().filter(|_| !kinds.is_empty()) else {
+            return false;
+        };
+        let [columns, rows] = &self.collision.grids[rect.space as usize];
+        let (first, after) = columns.range(rect.left, rect.right);
+        let (low, high) = rows.range(rect.bottom, rect.top);
+        let (width, height) = map.tile;
+        (low..high).any(|row| {
+            let cells = map.cells.get(row * map.columns + first..row * map.columns + after).unwrap_or_default();
+            cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]).any(|(index, _)| {
+                let (left, bottom) = ((first + index) as i64 as f64 * width, row as i64 as f64 * height);
+                fixed(&Bounds { left, right: left + width, bottom, top: bottom + height })
+            })
+        })
+    }
+}
+
+/// Whether two shapes overlap by more than what faces that merely touch may.
+fn overlap(a: &Rect, b: &Rect) -> bool {
+    let x = (a.right - b.left).min(b.right - a.left);
+    let y = (a.top - b.bottom).min(b.top - a.bottom);
+    a.space == b.space && x > TOLERANCE && y > TOLERANCE && (!(a.round || b.round) || sinks_in(a, b))
+}

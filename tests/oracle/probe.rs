@@ -1,0 +1,137 @@
+//! Probes, by the letter of the reference: every tile, every rectangle, every collider of another instance is looked at.
+
+use hypedc::ir::TagId;
+use hypedc::sema::checked::{Collider, Probe, Shape};
+
+use super::evaluate::Code;
+use super::model::Fault;
+
+/// How deep an overlap has to be to count, px.
+const TOLERANCE: f64 = 0.001;
+
+/// A box, and whether it is the square around a disc.
+#[derive(Debug, Clone, Copy)]
+struct Form {
+    left: f64,
+    bottom: f64,
+    right: f64,
+    top: f64,
+    is_disc: bool,
+}
+
+/// What is in a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Taken {
+    Free,
+    ByStatic,
+    ByInstance(usize),
+}
+
+impl Code<'_> {
+    /// What one's own colliders, moved, overlap; of instances the first.
+    pub fn probe(&self, asked: &Probe) -> Result<Taken, Fault> {
+        let [x, y] = &asked.offset;
+        let (dx, dy) = (self.value(x)?, self.value(y)?);
+        let me = self.me.unwrap();
+        let mut first: Option<usize> = None;
+        for own in self.forms(me, asked.mine)? {
+            let there =
+                Form { left: own.left + dx, right: own.right + dx, bottom: own.bottom + dy, top: own.top + dy, ..own };
+            if asked.bound.is_none() && self.statics(me, asked.other).iter().any(|other| overlap(there, *other)) {
+                return Ok(Taken::ByStatic);
+            }
+            for slot in 0..self.state.things.len() {
+                let is_same_space = |slot: usize| {
+                    let space = |slot: usize| self.state.things[slot].as_ref().map(|thing| thing.space);
+                    space(slot) == space(me)
+                };
+                if slot == me || first.is_some_and(|first| first <= slot) {
+                    continue;
+                }
+                for other in self.forms(slot, asked.other)? {
+                    if is_same_space(slot) && overlap(there, other) {
+                        if asked.bound.is_none() {
+                            return Ok(Taken::ByInstance(slot));
+                        }
+                        first = Some(first.map_or(slot, |first| first.min(slot)));
+                    }
+                }
+            }
+        }
+        Ok(first.map_or(Taken::Free, Taken::ByInstance))
+    }
+
+    /// The active colliders of an instance with a tag.
+    fn forms(&self, slot: usize, tag: TagId) -> Result<Vec<Form>, Fault> {
+        let Some(thing) = &self.state.things[slot] else { return Ok(Vec::new()) };
+        if self.passing.is_some_and(|passing| !passing.acts(slot)) {
+            return Ok(Vec::new());
+        }
+        let code = self.oracle.code(self.state, slot);
+        let mut out = Vec::new();
+        for Collider { shape, guard, tags, .. } in self.oracle.entity(slot).colliders.iter() {
+            if !tags.contains(&tag) || !guard.as_ref().map_or(Ok(true), |guard| code.holds(guard))? {
+                continue;
+            }
+            let numbers: Vec<f64> = shape.numbers().iter().map(|n| code.value(n)).collect::<Result<_, Fault>>()?;
+            let (px, py) = thing.position();
+            let (is_disc, [x, y, width, height]) = match (shape, numbers.as_slice()) {
+                (Shape::Rect(_), &[x, y, width, height]) => (false, [x, y, width, height]),
+                (Shape::Circle(_), &[x, y, r]) => (true, [x - r, y - r, 2.0 * r, 2.0 * r]),
+                _ => unreachable!(),
+            };
+            if width > 0.0 && height > 0.0 {
+                let (left, bottom) = (px + x, py + y);
+                out.push(Form { left, bottom, right: left + width, top: bottom + height, is_disc });
+            }
+        }
+        Ok(out)
+    }
+
+    /// The tiles and rectangles with a tag in an instance's space.
+    fn statics(&self, slot: usize, tag: TagId) -> Vec<Form> {
+        let space = self.state.things[slot].as_ref().unwrap().space;
+        let space = self.oracle.world.spaces.iter().nth(space).unwrap();
+        let form = |left: f64, bottom: f64, width: f64, height: f64| Form {
+            left,
+            bottom,
+            right: left + width,
+            top: bottom + height,
+            is_disc: false,
+        };
+        let rects = space.solids.iter().filter(|solid| solid.tags.contains(&tag));
+        let mut out: Vec<Form> = rects.map(|solid| solid.rect).map(|[x, y, w, h]| form(x, y, w, h)).collect();
+        if let Some(map) = &space.map {
+            for (at, kind) in map.cells.iter().enumerate() {
+                if map.kinds[usize::from(*kind)].tags.contains(&tag) {
+                    let (column, row) = ((at % map.columns) as f64, (at / map.columns) as f64);
+                    let (width, height) = map.tile;
+                    out.push(form(column * width, row * height, width, height));
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Whether two forms sink into each other by more than the tolerance.
+fn overlap(a: Form, b: Form) -> bool {
+    let ways = [a.right - b.left, b.right - a.left, a.top - b.bottom, b.top - a.bottom];
+    if ways.iter().any(|way| *way <= TOLERANCE) {
+        return false;
+    }
+    let middle = |f: Form| ((f.left + f.right) / 2.0, (f.bottom + f.top) / 2.0, (f.right - f.left) / 2.0);
+    match (a.is_disc, b.is_disc) {
+        (false, false) => true,
+        (true, true) => {
+            let ((x, y, r), (ox, oy, or)) = (middle(a), middle(b));
+            r + or - ((x - ox) * (x - ox) + (y - oy) * (y - oy)).sqrt() > TOLERANCE
+        }
+        _ => {
+            let (disc, flat) = if a.is_disc { (a, b) } else { (b, a) };
+            let (x, y, r) = middle(disc);
+            let (dx, dy) = (x - x.max(flat.left).min(flat.right), y - y.max(flat.bottom).min(flat.top));
+            r - (dx * dx + dy * dy).sqrt() > TOLERANCE
+        }
+    }
+}

@@ -4,6 +4,7 @@
 //! Kennedy, *Programming Languages and Dimensions*, 1996). A literal takes the dimension that its context needs; as a
 //! factor beside another term it is dimensionless.
 
+mod ratio;
 mod report;
 
 use crate::ir::{Arithmetic, EntityId, Function, ParamId, Place, SignalId, SlotId, Subject, VarId};
@@ -13,38 +14,9 @@ use std::collections::BTreeMap;
 use crate::diagnostic::Diagnostics;
 use crate::source::{SourceMap, Span};
 
+use ratio::Ratio;
+
 use super::checked::{Action, By, Checked, DriveBy, Entity, Given, Rate, Release, Term, TermKind, World};
-
-/// A fraction in lowest terms with a positive denominator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Ratio(i64, i64);
-
-impl Ratio {
-    const ZERO: Ratio = Ratio(0, 1);
-    const ONE: Ratio = Ratio(1, 1);
-
-    fn new(n: i64, d: i64) -> Ratio {
-        let (mut a, mut b) = (n.unsigned_abs(), d.unsigned_abs());
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        let g = (a.max(1) as i64) * d.signum();
-        Ratio(n / g, d / g)
-    }
-    /// `None` if it cannot be represented exactly.
-    fn plus(self, o: Ratio) -> Option<Ratio> {
-        let sum = self.0.checked_mul(o.1)?.checked_add(o.0.checked_mul(self.1)?)?;
-        Ratio::checked(sum, self.1.checked_mul(o.1)?)
-    }
-    /// `None` if it cannot be represented exactly.
-    fn times(self, o: Ratio) -> Option<Ratio> {
-        Ratio::checked(self.0.checked_mul(o.0)?, self.1.checked_mul(o.1)?)
-    }
-    /// Both numbers of a ratio can be negated without overflow.
-    fn checked(n: i64, d: i64) -> Option<Ratio> {
-        (n != i64::MIN && d != i64::MIN).then(|| Ratio::new(n, d))
-    }
-}
 
 type Unknown = usize;
 
@@ -378,7 +350,7 @@ impl Solver<'_> {
                 };
                 Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))
             }
-            TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
+            TermKind::Discrete(..) | TermKind::Axis(_) | TermKind::Chance(_) => Some(Dim::known(0, 0)),
             TermKind::Sum(sum) => Some(self.of_sum(context.me?, *sum)),
             TermKind::Negate(a) => self.dimension(a, context),
             TermKind::Arithmetic(Arithmetic::Add, sides) => {

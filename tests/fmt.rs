@@ -291,6 +291,20 @@ fn the_intermediate_representation_stays() {
     }
 }
 
+/// A tab within quotes is as wide before the layout as after it, so that what was aligned once stays so.
+#[test]
+fn a_tab_within_quotes_is_one_column() {
+    let line = |space: &str, map: &str, legend: &str, blanks: &str, size: &str| {
+        format!("    space {space} {{ map vglc \"{map}\" legend \"{legend}\" tile{blanks}{size} }}\n")
+    };
+    let lines = [
+        line("d", "levels\t/room.txt", "levels/long.json", " ", "16 x 16"),
+        line("e", "levels/room.txt", "levels/good.json\t", "     ", "16 x 0"),
+        line("f", "levels/room.txt", "levels/good.json", " ", "16 x 16"),
+    ];
+    checked(&format!("world W {{\n{}}}\n", lines.concat()));
+}
+
 #[test]
 fn comments_and_breaks_may_stand_wherever_the_grammar_lets_them() {
     for (index, (_, text)) in programs().iter().enumerate() {

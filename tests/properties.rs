@@ -14,7 +14,7 @@ use std::sync::Arc;
 fn input(players: usize, bits: u64) -> Input {
     let axis = |shift: u32| [-1.0, 0.0, 1.0, 0.5][(bits >> shift & 3) as usize];
     let one = PlayerInput { buttons: bits >> 8 & 3, axes: [axis(0), axis(2), 0.0, 0.0] };
-    Input(vec![one; players])
+    Input::of_players(vec![one; players])
 }
 
 /// Some numbers that look random, from a seed.
@@ -202,7 +202,7 @@ proptest! {
             }
             // Positions are moved as flows would: the axes are within -1..1, so large tiles take several pixels a step.
             let fast = PlayerInput { buttons: 0, axes: [held[0], held[1], 0.0, 0.0] };
-            let scaled = Input(vec![PlayerInput { axes: fast.axes.map(|a| a * size), ..fast }]);
+            let scaled = Input::of_players(vec![PlayerInput { axes: fast.axes.map(|a| a * size), ..fast }]);
             sim.step(&mut state, &scaled, &mut scratch).unwrap();
             let (x, y) = sim.position(&state, SlotId(0));
             let centre = (x + width / 2.0, y + height / 2.0);

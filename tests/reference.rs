@@ -228,11 +228,11 @@ fn run(program: &Arc<Program>, world: WorldId, inputs: Option<&str>) -> (Option<
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
-    for input in script.inputs() {
+    for (step, input) in (1..).zip(script.inputs()) {
         if sim.left_bounds(&state).is_some() {
             break;
         }
-        if sim.step(&mut state, input, &mut scratch).is_err() {
+        if sim.step(&mut state, &sim.draw(0, step, input), &mut scratch).is_err() {
             return (Some(Code::Fault), Vec::new());
         }
     }

@@ -5,6 +5,7 @@
 mod support;
 
 mod border;
+mod chance;
 mod cli;
 mod corpus;
 mod experiment;

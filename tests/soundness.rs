@@ -111,7 +111,7 @@ fn every_construct_happens() {
         // All of them would take long.
         let is_by_place = seed.is_multiple_of(16) && Claims::of(&compilation, program, WorldId(0)).is_by_place();
         tally.survey(&sim, is_by_place);
-        let mut inputs = Inputs::new(seed, sim.world().players.len());
+        let mut inputs = Inputs::new(seed, &sim);
         for _ in 0..120 {
             let before = state.clone();
             let input = inputs.next();

@@ -80,7 +80,7 @@ fn seen(program: &Arc<Program>) -> f64 {
         for _ in 0..60 {
             let mut axis = || f64::from(rng.random_range(-1..=1));
             let axes = [axis(), axis(), 0.0, 0.0];
-            let input = Input(vec![PlayerInput { buttons: rng.random(), axes }]);
+            let input = Input::of_players(vec![PlayerInput { buttons: rng.random(), axes }]);
             for _ in 0..rng.random_range(1..8) {
                 if sim.step(&mut state, &input, &mut scratch).is_err() {
                     break;

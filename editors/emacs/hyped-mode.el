@@ -76,6 +76,7 @@
     (members start "\\(condition\\)[ \t]+" name "[ \t]*=\\(?:[^=]\\|$\\)")
     (members start "\\(signal\\)[ \t]+" name)
     (members start "\\(send\\)[ \t]+\\(?:\\(all\\)[ \t]+\\)?" name "[.]")
+    (members start "\\(chance\\)[ \t]+" name "[ \t]*:\\(?:[^=]\\|$\\)")
     (members "\\_<discrete[ \t]+" name "[ \t]*:[ \t]*\\(int\\|bool\\)\\_>")
     (members "\\_<envelope[ \t]+\\(?:" name "'*\\|([^)]*)\\)[ \t]+\\(by\\|fixed\\)\\_>")
     (members "\\_<\\(directions\\)[ \t]+\\w+[ \t]*\\(?:{\\|//\\|$\\)")

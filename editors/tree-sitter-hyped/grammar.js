@@ -79,8 +79,8 @@ module.exports = grammar({
       $,
       [$.group, $.mode, $.always, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
       [
-        $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.collider, $.clamp, $.invariant,
-        $.condition, $.signal, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
+        $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.chance, $.collider, $.clamp,
+        $.invariant, $.condition, $.signal, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
       ],
     ),
 
@@ -105,6 +105,7 @@ module.exports = grammar({
     reference: $ => seq('ref', field('name', $.identifier), ':', field('entity', $.identifier)),
     buttons: $ => seq('button', commas(field('name', $.identifier))),
     axes: $ => seq('axis', commas(field('name', $.identifier))),
+    chance: $ => seq('chance', field('name', $.identifier), ':', field('low', $.expression), '..', field('high', $.expression)),
 
     annotation: $ => seq(':', $.dimension),
     dimension: $ => seq($.dimension_factor, repeat(seq(choice('*', '/'), $.dimension_factor))),
@@ -313,7 +314,10 @@ module.exports = grammar({
     variable: $ => seq($.identifier, optional($.primes)),
     // At the start of a statement, these names can also be keywords.
     _member_variable: $ => seq($._flowing_name, optional($.primes)),
-    _flowing_name: $ => choice($.identifier, ...['follow', 'initial', 'always', 'condition', 'signal', 'send'].map((word) => alias(word, $.identifier))),
+    _flowing_name: $ => choice(
+      $.identifier,
+      ...['follow', 'initial', 'always', 'condition', 'chance', 'signal', 'send'].map((word) => alias(word, $.identifier)),
+    ),
     primes: _ => token.immediate(/'+/),
     tags: $ => commas($.tag),
     tag: $ => choice($.identifier, $.text),

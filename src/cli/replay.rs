@@ -50,7 +50,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         return Ok(Exit::Refused);
     }
     let sim = Simulator::new(&loaded.program, world);
-    let now = header(&sim, file, level, &script, old.steps);
+    let now = header(&sim, file, level, (&script, old.chance), old.steps);
     let lines = TraceLines::new(&sim, trace.format);
     let columns = lines.columns();
     let mut difference = match trace.format {
@@ -58,7 +58,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         TraceFormat::Csv => trace.compare("the columns", &columns, &crate::tabular::csv::line(&columns)),
     };
     let mut steps = 0;
-    let ended = drive(&sim, &script, old.steps, &Interrupt::new(), &mut |step, input, state, _| {
+    let ended = drive(&sim, (&script, old.chance), old.steps, &Interrupt::new(), &mut |step, input, state, _| {
         steps = step;
         if difference.is_none() {
             let line = lines.state(step, input, state)?;

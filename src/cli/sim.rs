@@ -1,5 +1,6 @@
 //! `hypedc sim`: runs a world with given inputs and shows its final state.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
@@ -61,13 +62,13 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
                     }
                 }
             };
-            let header = header(&sim, file, args.level.file(), &script, frames);
+            let header = header(&sim, file, args.level.file(), (&script, args.chance), frames);
             Some(TraceWriter::new(TraceLines::new(&sim, format(args, path)), BufWriter::new(to), &header)?)
         }
         None => None,
     };
     let mut report = Report::new(&sim);
-    let ended = drive(&sim, &script, frames, &Interrupt::new(), &mut |step, input, state, scratch| {
+    let ended = drive(&sim, (&script, args.chance), frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
         report.record_events(step, scratch, state);
         trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))?;
@@ -98,7 +99,13 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
 }
 
 /// Everything that a run depends on.
-pub(super) fn header(sim: &Simulator, file: &Path, level: LevelFile<'_>, script: &Script, steps: u64) -> TraceHeader {
+pub(super) fn header(
+    sim: &Simulator,
+    file: &Path,
+    level: LevelFile<'_>,
+    (script, chance): (&Script, Option<u64>),
+    steps: u64,
+) -> TraceHeader {
     let step = sim.world().step;
     TraceHeader {
         trace: TRACE_VERSION,
@@ -112,6 +119,7 @@ pub(super) fn header(sim: &Simulator, file: &Path, level: LevelFile<'_>, script:
         world: sim.world().name.clone(),
         step: format!("{}/{}", step.numerator, step.denominator),
         inputs: script.text(sim.program(), sim.world_id()),
+        chance: (!sim.draws().is_empty()).then(|| chance.unwrap_or_default()),
         steps,
     }
 }
@@ -227,10 +235,11 @@ pub(super) enum RunEnd {
     Stopped(u64),
 }
 
-/// Runs at most `frames` steps and passes every state to the callback, starting with the initial one.
+/// Runs at most `frames` steps and passes every state to the callback, starting with the initial one. What the script
+/// leaves open is drawn from the seed `chance`, 0 by default.
 pub(super) fn drive(
     sim: &Simulator,
-    script: &Script,
+    (script, chance): (&Script, Option<u64>),
     frames: u64,
     watch: &dyn Watch,
     on_state: &mut OnState<'_>,
@@ -244,9 +253,9 @@ pub(super) fn drive(
         Err(fault) => return Ok(RunEnd::Fault(fault, 0)),
     };
     let mut inputs = script.inputs().chain(std::iter::repeat(&nothing));
-    let mut input = &nothing;
+    let mut input = Cow::Borrowed(&nothing);
     for step in 0.. {
-        if on_state(step, input, &state, &scratch)?.is_break() {
+        if on_state(step, &input, &state, &scratch)?.is_break() {
             return Ok(RunEnd::Enough);
         }
         if sim.left_bounds(&state).is_some() {
@@ -255,13 +264,16 @@ pub(super) fn drive(
         if step == frames {
             break;
         }
-        input = inputs.next().unwrap_or(&nothing);
-        let stepped = sim.metered_step(&mut state, input, &mut scratch, &meter);
+        input = sim.draw(chance.unwrap_or_default(), step + 1, inputs.next().unwrap_or(&nothing));
+        let stepped = sim.metered_step(&mut state, &input, &mut scratch, &meter);
         if meter.is_stopped() {
             return Ok(RunEnd::Stopped(step));
         }
         if let Err(fault) = stepped {
             return Ok(RunEnd::Fault(fault, step + 1));
+        }
+        if !sim.draws().is_empty() {
+            input = Cow::Owned(sim.drawn(&input, &scratch));
         }
     }
     Ok(RunEnd::Done)

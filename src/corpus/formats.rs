@@ -205,7 +205,8 @@ mod tests {
             ..row("levels/b.txt")
         };
         let mut broken = row("levels/a, or so.txt");
-        broken.answer.violations = vec![Counterexample { never: "fell".into(), steps: 3, inputs: "-*3".into() }];
+        broken.answer.violations =
+            vec![Counterexample { never: "fell".into(), steps: 3, inputs: "-*3".into(), luck: None }];
         vec![broken, missed, failed]
     }
 

@@ -43,6 +43,9 @@ pub struct Settings {
     pub after: Vec<String>,
     /// For how many steps an input is held at least, as it was asked for.
     pub min_hold: Option<String>,
+    /// The seed of what nature draws; left out if the search is free to choose it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chance: Option<u64>,
     /// Whether paths are shortened.
     pub minimize: bool,
     /// Maximum number of nodes; none: no limit.
@@ -181,6 +184,7 @@ pub(super) mod tests {
             within: None,
             after: Vec::new(),
             min_hold: None,
+            chance: None,
             minimize: false,
             nodes_limit: Some(200_000),
             seconds_limit: None,

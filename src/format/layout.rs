@@ -67,11 +67,12 @@ struct Cursor {
 }
 
 impl Cursor {
-    fn advance(&mut self, text: &str, to: usize) -> Place {
+    /// The place at an offset; tabs on the way lead to multiples of `tab`.
+    fn advance(&mut self, text: &str, to: usize, tab: usize) -> Place {
         for c in text.get(self.at..to).unwrap_or("").chars() {
             match c {
                 '\n' => self.place = Place { line: self.place.line + 1, column: 0 },
-                '\t' => self.place.column = (self.place.column / TAB + 1) * TAB,
+                '\t' => self.place.column = (self.place.column / tab + 1) * tab,
                 _ => self.place.column += 1,
             }
         }
@@ -103,8 +104,9 @@ impl<'t> Layout<'t, '_> {
     fn find_places(&mut self) {
         self.places = Vec::with_capacity(self.tokens.len());
         for token in self.tokens {
-            let start = self.cursor.advance(self.text, token.start);
-            let end = self.cursor.advance(self.text, token.end());
+            let start = self.cursor.advance(self.text, token.start, TAB);
+            // Within a token, a tab is one column of its width.
+            let end = self.cursor.advance(self.text, token.end(), 1);
             self.places.push((start, end));
         }
     }

@@ -93,6 +93,7 @@ impl Expr {
             | Expr::Var(..)
             | Expr::Discrete(..)
             | Expr::Axis(_)
+            | Expr::Chance(_)
             | Expr::Timer(_)
             | Expr::Button(..)
             | Expr::Touching(..)

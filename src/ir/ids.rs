@@ -60,6 +60,7 @@ ids! {
     FollowId "follow" "A `follow links` of one entity."
     ButtonId "button" "A button that one entity reads."
     AxisId "axis" "An axis that one entity reads."
+    ChanceId "chance" "A whole number that one entity draws in each step."
     ColliderId "collider" "A collider of one entity."
     GroupId "group" "A group of concurrent modes of one entity."
     ModeId "mode" "A mode of one entity, numbered in preorder."

@@ -9,6 +9,7 @@ mod arena;
 mod arithmetic;
 mod expressions;
 mod ids;
+mod inputs;
 mod json;
 mod layout;
 mod limits;
@@ -30,18 +31,19 @@ pub use actions::{Actions, RefUpdate, RefValue, Send, Signal, Spawn, Sum, Update
 pub use arena::Arena;
 pub use arithmetic::{arithmetic, call, compare};
 pub use ids::{
-    AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
-    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, ProbeId, RefId, SendId, SignalId, SlotId, SpaceId,
-    SpawnId, TagId, TimerId, TouchId, VarId, WorldId,
+    AxisId, ButtonId, ChanceId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId,
+    GroupId, Id, IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, ProbeId, RefId, SendId, SignalId, SlotId,
+    SpaceId, SpawnId, TagId, TimerId, TouchId, VarId, WorldId,
 };
+pub use inputs::{Chance, Inputs};
 pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, SlotLayout};
-pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_MODES, MAX_TAGS};
+pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_CHANCES, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_INT, MAX_MODES, MAX_TAGS};
 pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use program::{
-    By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs, Leaf,
-    Mode, Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,
+    By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Leaf, Mode,
+    Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,
 };
 pub use rare::RareVec;
 pub use spans::{EntitySpans, Spans, WorldSpans};

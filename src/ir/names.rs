@@ -1,8 +1,8 @@
 //! Look-up by name, to be done once before a loop that uses ids.
 
 use super::{
-    AxisId, ButtonId, DiscreteId, Entity, EntityId, GoalId, ModeId, NeverId, ParamId, Program, RefId, SlotId, SpaceId,
-    VarId, World, WorldId,
+    AxisId, ButtonId, ChanceId, DiscreteId, Entity, EntityId, GoalId, ModeId, NeverId, ParamId, Program, RefId, SlotId,
+    SpaceId, VarId, World, WorldId,
 };
 
 impl Program {
@@ -73,6 +73,11 @@ impl Entity {
     /// The axis with a name.
     pub fn axis_named(&self, name: &str) -> Option<AxisId> {
         self.axes.find(|axis| axis == name)
+    }
+
+    /// The chance with a name.
+    pub fn chance_named(&self, name: &str) -> Option<ChanceId> {
+        self.chances.find(|chance| chance.name == name)
     }
 
     /// The mode with a full path: `movement.air.rising`.

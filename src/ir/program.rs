@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::Spans;
 use super::actions::{Actions, Send, Signal, Spawn};
 use super::{
-    Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
-    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Press, ProbeId, RareVec, RefId, SendId, Side,
-    SignalId, SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
+    Arena, Arithmetic, AxisId, ButtonId, Chance, ChanceId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId,
+    EnvelopeId, ExprId, FollowId, Function, GroupId, IdRange, IdVec, Inputs, LeafId, ModeId, ParamId, Press, ProbeId,
+    RareVec, RefId, SendId, Side, SignalId, SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World,
+    WorldId,
 };
 
 /// A compiled program.
@@ -86,6 +87,8 @@ pub enum Expr {
     Discrete(Subject, DiscreteId),
     /// An axis of the player who controls the instance, 0 if there is none.
     Axis(AxisId),
+    /// What nature draws for the instance in this step.
+    Chance(ChanceId),
     /// A timer in seconds: its count times the step's fraction, rounded once.
     Timer(TimerId),
     /// `-a`
@@ -169,6 +172,9 @@ pub struct Entity {
     pub buttons: RareVec<ButtonId, String>,
     /// Axes that it reads; at most 4.
     pub axes: RareVec<AxisId, String>,
+    /// What nature draws for it in each step; at most 64.
+    #[serde(default, skip_serializing_if = "no_chances")]
+    pub chances: RareVec<ChanceId, Chance>,
     /// Colliders.
     pub colliders: RareVec<ColliderId, Collider>,
     /// Groups; one leaf of each is active.
@@ -212,6 +218,10 @@ pub struct Entity {
     pub inputs: Inputs,
     /// Its code in the arena.
     pub code: IdRange<ExprId>,
+}
+
+fn no_chances(chances: &RareVec<ChanceId, Chance>) -> bool {
+    chances.is_empty()
 }
 
 /// A parameter.
@@ -505,24 +515,6 @@ pub enum Release {
         /// Where to.
         level: ExprId,
     },
-}
-
-/// Buttons and axes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Inputs {
-    /// One bit for each button.
-    pub buttons: u64,
-    /// One bit for each axis.
-    pub axes: u8,
-}
-
-impl Inputs {
-    /// Both together.
-    #[must_use]
-    pub fn with(self, other: Inputs) -> Inputs {
-        Inputs { buttons: self.buttons | other.buttons, axes: self.axes | other.axes }
-    }
 }
 
 /// A mode without modes inside, resolved: what is active and what to try while it is.

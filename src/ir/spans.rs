@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Arena, AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId, GoalId,
-    GroupId, Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RareVec, RefId, SlotId, SpaceId, SpawnId, TagId,
-    TouchId, VarId, World, WorldId,
+    Arena, AxisId, ButtonId, ChanceId, ColliderId, DiscreteId, EdgeId, Entity, EntityId, EnvelopeId, ExprId, FollowId,
+    GoalId, GroupId, Id, IdVec, ModeId, NeverId, ParamId, PlayerId, Program, RareVec, RefId, SlotId, SpaceId, SpawnId,
+    TagId, TouchId, VarId, World, WorldId,
 };
 use crate::source::{FileId, Span};
 
@@ -51,6 +51,7 @@ impl Spans {
             invariants: e.invariants.iter().map(|_| nowhere()).collect(),
             buttons: blank(&e.buttons),
             axes: blank(&e.axes),
+            chances: blank(&e.chances),
             colliders: blank(&e.colliders),
             groups: blank(&e.groups),
             touches: blank(&e.touches),
@@ -101,6 +102,9 @@ pub struct EntitySpans {
     pub buttons: RareVec<ButtonId, Span>,
     /// Of each axis' name.
     pub axes: RareVec<AxisId, Span>,
+    /// Of each chance's name.
+    #[serde(default, skip_serializing_if = "no_chances")]
+    pub chances: RareVec<ChanceId, Span>,
     /// Of each collider.
     pub colliders: RareVec<ColliderId, Span>,
     /// Of each group's name (of the anonymous one: the entity's).
@@ -113,6 +117,10 @@ pub struct EntitySpans {
     pub edges: RareVec<EdgeId, Span>,
     /// Of each envelope.
     pub envelopes: RareVec<EnvelopeId, Span>,
+}
+
+fn no_chances(chances: &RareVec<ChanceId, Span>) -> bool {
+    chances.is_empty()
 }
 
 /// Where a world's entries come from.
@@ -154,6 +162,7 @@ impl EntitySpans {
             invariants,
             buttons,
             axes,
+            chances,
             colliders,
             groups,
             touches,
@@ -163,7 +172,7 @@ impl EntitySpans {
         } = self;
         let first = [&[*name], slice(params), slice(vars), slice(discretes), slice(refs), slice(spawns)];
         let second = [slice(follows), invariants, slice(buttons), slice(axes), slice(colliders), slice(groups)];
-        let third = [slice(touches), slice(modes), slice(edges), slice(envelopes)];
+        let third = [slice(touches), slice(modes), slice(edges), slice(envelopes), slice(chances)];
         [first.concat(), second.concat(), third.concat()].concat()
     }
 }

@@ -63,6 +63,9 @@ impl EntityText<'_> {
         for (id, name) in e.axes.pairs() {
             writeln!(out, "  {id} {name}")?;
         }
+        for (id, c) in e.chances.pairs() {
+            writeln!(out, "  {id} {}: {}..{}", c.name, c.range.0, c.range.1)?;
+        }
         for (id, c) in e.colliders.pairs() {
             let numbers: Vec<String> = c.shape.numbers().iter().map(|&r| self.expr(r)).collect();
             let shape = if matches!(c.shape, Shape::Rect(_)) { "rect" } else { "circle" };
@@ -189,6 +192,8 @@ impl EntityText<'_> {
                     reads.extend(
                         e.axes.pairs().filter(|(a, _)| leaf.inputs.axes >> a.0 & 1 == 1).map(|(_, n)| n.as_str()),
                     );
+                    let drawn = e.chances.pairs().filter(|(c, _)| leaf.inputs.chances >> c.0 & 1 == 1);
+                    reads.extend(drawn.map(|(_, c)| c.name.as_str()));
                     if !reads.is_empty() {
                         writeln!(out, "      reads {}", reads.join(", "))?;
                     }
@@ -323,6 +328,7 @@ fn expression<'a>(
         Expr::Is(of, e) => format!("{} is {}", owner(of).trim_end_matches('.'), p.entities[e].name),
         Expr::Alive(slot) => format!("{}alive", owner(Subject::Slot(slot))),
         Expr::Axis(axis) => me().axes[axis].clone(),
+        Expr::Chance(chance) => me().chances[chance].name.clone(),
         Expr::Timer(timer) => format!("timer({})", me().modes[me().timers[timer].mode].path),
         Expr::Negate(a) => format!("-{}", sub(a)),
         Expr::Arithmetic(op, a, b) => {

@@ -117,6 +117,10 @@ pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
             Range::closed(f64::from(low), f64::from(high))
         }
         TermKind::Axis(_) => Range::closed(-1.0, 1.0),
+        TermKind::Chance(id) => {
+            let (low, high) = entity.chances[*id].range;
+            Range::closed(f64::from(low), f64::from(high))
+        }
         TermKind::Timer(_) => Range::closed(0.0, f64::INFINITY),
         TermKind::Negate(a) => of(a).map(|x| -x),
         TermKind::Arithmetic(op, sides) => {

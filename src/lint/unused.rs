@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::Unused;
-use crate::ir::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, Place, RefId, SignalId, Subject, VarId, WorldId};
+use crate::ir::{
+    AxisId, ButtonId, ChanceId, DiscreteId, EntityId, ParamId, Place, RefId, SignalId, Subject, VarId, WorldId,
+};
 use crate::sema::checked::{Action, By, Checked, Condition, Entity, Given, Name, Term, TermKind};
 use crate::source::{FileId, Span};
 
@@ -82,6 +84,7 @@ enum ReadTarget {
     Button(ButtonId),
     Axis(AxisId),
     Signal(SignalId),
+    Chance(ChanceId),
     /// Its identity, contacts or mode.
     Itself,
 }
@@ -94,6 +97,7 @@ fn read(term: &TermKind) -> Option<(Subject, ReadTarget)> {
         TermKind::Button(_, id) => (Subject::Me, ReadTarget::Button(id)),
         TermKind::Axis(id) => (Subject::Me, ReadTarget::Axis(id)),
         TermKind::Received(id) | TermKind::Sum(id) => (Subject::Me, ReadTarget::Signal(id)),
+        TermKind::Chance(id) => (Subject::Me, ReadTarget::Chance(id)),
         TermKind::IsNone(of)
         | TermKind::Is(of, _)
         | TermKind::Instance(of)
@@ -161,6 +165,9 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
         }
         for (axis, name) in entity.axes.pairs() {
             judge("axis", name, reads.has(id, ReadTarget::Axis(axis)), None);
+        }
+        for (chance, c) in entity.chances.pairs() {
+            judge("chance", &c.name, reads.has(id, ReadTarget::Chance(chance)), None);
         }
     }
     for condition in checked.worlds.iter().flat_map(|w| &w.conditions) {

@@ -1,33 +1,61 @@
-//! The inputs to try: buttons up or down, axes at -1, 0 and 1. Either those that an active mode reads, or all that any
-//! mode reads. Also tells whether axis values in between matter.
+//! The inputs to try: buttons up or down, axes at -1, 0 and 1, what nature draws. Either those that an active mode reads,
+//! or all that any mode reads. Also tells whether axis values in between matter.
 
 use std::collections::BTreeMap;
 
-use crate::ir::{By, Entity, Expr, ExprId, Function, Inputs, LeafId, Program};
-use crate::sim::{Input, PlayerInput};
+use crate::ir::{By, Entity, Expr, ExprId, Function, Id, Inputs, Leaf, LeafId, Program, SlotId};
+use crate::sim::state::Life;
+use crate::sim::{Draw, DrawId, Draws, Input, PlayerInput};
 
 use super::problem::Problem;
 
 /// Maximum number of inputs per node.
 pub const MAX_CONTROLS: usize = 4_096;
 
-/// The inputs for each combination of the players' active leaves, computed on demand.
+/// The inputs for each combination of the players' active leaves, computed on demand. Where nature draws, each input of
+/// the players occurs with each combination of draws, as far as these are not too many.
 #[derive(Debug, Clone, Default)]
 pub struct ControlSets {
-    sets: Vec<Vec<Input>>,
+    sets: Vec<Set>,
+    lists: Vec<Vec<Input>>,
     known: BTreeMap<Vec<LeafId>, u16>,
     key: Vec<LeafId>,
+    /// The slots whose entities have chances, unless the draws of all inputs are left open.
+    lucky: Option<Vec<SlotId>>,
     /// Whether one set with every input serves all states.
     is_complete: bool,
     /// Whether some inputs were left out because there were more than [`MAX_CONTROLS`].
     pub truncated: bool,
 }
 
+/// The inputs of the players, and the draws that go with each.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Set {
+    /// The index of the list of inputs.
+    list: usize,
+    /// Draws of which all combinations occur.
+    draws: Vec<(DrawId, Draw)>,
+    /// The number of inputs with draws.
+    count: usize,
+}
+
+/// How often an input of the players occurs where some draws are left to chance.
+const TRIALS: usize = 16;
+
 impl ControlSets {
     /// The same inputs in all states: all that any mode reads. Exhaustive search needs them, because a button that is
     /// already held cannot be pressed later.
     pub fn complete() -> Self {
         ControlSets { is_complete: true, ..ControlSets::default() }
+    }
+
+    /// With the draws of nature, too.
+    #[must_use]
+    pub fn with_draws(mut self, problem: &Problem<'_>) -> Self {
+        let mut slots: Vec<SlotId> = problem.sim.draws().iter().map(|draw| draw.slot).collect();
+        slots.dedup();
+        self.lucky = (!slots.is_empty() && !problem.is_foretold()).then_some(slots);
+        self
     }
 
     /// The number of the set for a state.
@@ -41,32 +69,66 @@ impl ControlSets {
                 self.key.extend(groups.map(|group| layout.leaf(state, group)));
             }
         }
+        for &slot in self.lucky.iter().flatten() {
+            let layout = &world.layout.slots[slot];
+            if layout.life(state) != Life::Alive {
+                self.key.push(NO_LEAF);
+                continue;
+            }
+            let groups = program.entities[world.slots[slot].entity].groups.ids();
+            self.key.extend(groups.map(|group| layout.leaf(state, group)));
+        }
         if let Some(&set) = self.known.get(&self.key) {
             return set;
         }
         let (inputs, truncated) = self.inputs_of(problem);
         self.truncated |= truncated;
-        // Many combinations read the same inputs, so there are far fewer sets than a `u16` can number.
-        let set = match self.sets.iter().position(|s| *s == inputs) {
-            Some(same) => same as u16,
+        let list = match self.lists.iter().position(|list| *list == inputs) {
+            Some(same) => same,
             None => {
-                self.sets.push(inputs);
-                (self.sets.len() - 1).min(usize::from(u16::MAX)) as u16
+                self.lists.push(inputs);
+                self.lists.len() - 1
             }
         };
+        let set = self.with_drawn(problem, state, list);
+        // Many combinations read the same inputs, so there are far fewer sets than a `u16` can number.
+        let set = match self.sets.iter().position(|s| *s == set) {
+            Some(same) => same,
+            None => {
+                self.sets.push(set);
+                self.sets.len() - 1
+            }
+        };
+        let set = set.min(usize::from(u16::MAX)) as u16;
         self.known.insert(self.key.clone(), set);
         set
     }
 
-    /// The inputs of a set.
-    pub fn inputs(&self, set: u16) -> &[Input] {
-        &self.sets[usize::from(set)]
+    /// The number of inputs of a set.
+    pub fn count(&self, set: u16) -> usize {
+        self.sets[usize::from(set)].count
     }
 
-    /// Clears the buttons and axes that nothing reads.
+    /// What the players do in an input of a set.
+    pub fn input(&self, set: u16, index: usize) -> &Input {
+        let list = &self.lists[self.sets[usize::from(set)].list];
+        &list[index % list.len()]
+    }
+
+    /// Fixes what nature draws in an input of a set; other draws stay as they are.
+    pub fn fix_draws(&self, set: u16, index: usize, draws: &mut Draws) {
+        let set = &self.sets[usize::from(set)];
+        let mut number = (index / self.lists[set.list].len()) as u64;
+        for (id, draw) in &set.draws {
+            draws.set(*id, Some(draw.value(number % draw.values())));
+            number /= draw.values();
+        }
+    }
+
+    /// Clears the buttons and axes that nothing reads, and what is drawn.
     pub fn relevant(&self, problem: &Problem<'_>, input: &Input) -> Input {
         let (program, world) = (problem.sim.program(), problem.sim.world());
-        let mut input = input.clone();
+        let mut input = Input::of_players(input.0.clone());
         for (given, &slot) in input.0.iter_mut().zip(problem.players()) {
             let reads = all_inputs(&program.entities[world.slots[slot].entity]);
             given.buttons &= reads.buttons;
@@ -76,6 +138,42 @@ impl ControlSets {
             }
         }
         input
+    }
+
+    /// Adds the draws that can be read in a step from a state, as far as their combinations are few.
+    fn with_drawn(&self, problem: &Problem<'_>, state: &[u8], list: usize) -> Set {
+        let mut set = Set { list, draws: Vec::new(), count: self.lists[list].len() };
+        let Some(lucky) = &self.lucky else { return set };
+        let (program, world) = (problem.sim.program(), problem.sim.world());
+        let mut are_left = false;
+        for (id, draw) in (0..).map(DrawId).zip(problem.sim.draws()) {
+            let layout = &world.layout.slots[draw.slot];
+            let entity = &program.entities[world.slots[draw.slot].entity];
+            if lucky.binary_search(&draw.slot).is_err() || layout.life(state) != Life::Alive {
+                continue;
+            }
+            let reads = match self.is_complete {
+                true => all_inputs(entity),
+                false => entity.groups.ids().fold(entity.inputs, |reads, group| {
+                    reads.with(inputs_around(entity, &entity.leaves[layout.leaf(state, group)]))
+                }),
+            };
+            if reads.chances >> draw.chance.index() & 1 == 0 {
+                continue;
+            }
+            match usize::try_from(draw.values()).ok().and_then(|values| set.count.checked_mul(values)) {
+                Some(count) if count <= MAX_CONTROLS => {
+                    set.count = count;
+                    set.draws.push((id, *draw));
+                }
+                _ => are_left = true,
+            }
+        }
+        // More inputs with the same players' part: what is left open is drawn for each of them.
+        if are_left && !self.is_complete {
+            set.count *= (MAX_CONTROLS / set.count).clamp(1, TRIALS);
+        }
+        set
     }
 
     /// The inputs for the leaves of the key, and whether some were left out.
@@ -104,6 +202,16 @@ impl ControlSets {
         }
         (all, !whole)
     }
+}
+
+/// In the key: there is no instance that acts.
+const NO_LEAF: LeafId = LeafId(u32::MAX);
+
+/// What an entity reads in a leaf and in those that its edges lead to: flows are read after edges.
+fn inputs_around(entity: &Entity, leaf: &Leaf) -> Inputs {
+    let targets = leaf.edges.iter().filter_map(|&edge| entity.edges[edge].target);
+    let leaves = targets.flat_map(|mode| entity.modes[mode].leaves.ids());
+    leaves.fold(leaf.inputs, |reads, leaf| reads.with(entity.leaves[leaf].inputs))
 }
 
 /// All inputs that an entity reads in any mode.

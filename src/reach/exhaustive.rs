@@ -33,6 +33,12 @@ const LOOKUP_WORK: u64 = 64;
 /// No input is held.
 const NONE: u16 = u16::MAX;
 
+/// What tells nodes with equal states apart: the held input, and the step where it decides what nature draws.
+type Mark = (u16, u64);
+
+/// Nothing does.
+const UNMARKED: Mark = (NONE, 0);
+
 /// When inputs change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Change {
@@ -51,7 +57,7 @@ impl Change {
     }
 
     /// Whether a held input can continue where a new one would have to be held.
-    fn continues(self) -> bool {
+    pub fn continues(self) -> bool {
         matches!(self, Change::After(2..))
     }
 }
@@ -152,12 +158,12 @@ pub(super) struct Exhaustive<'a> {
     region: GoalRegion,
     change: Change,
     hashes: DefaultHashBuilder,
-    /// The nodes, by state and held input.
+    /// The nodes, by state and mark.
     known: HashTable<u32>,
     /// If held inputs can continue: one node for each state at which new inputs were tried.
     expanded: HashTable<u32>,
-    /// If held inputs can continue: the held input of each node.
-    held: Vec<u16>,
+    /// If held inputs can continue, or nature is foretold: what tells each node apart.
+    marks: Vec<Mark>,
     order: Order,
     expansion: Option<Expansion>,
     /// The shortest path so far: its steps, its last choice and the steps of that.
@@ -179,7 +185,7 @@ impl<'a> Exhaustive<'a> {
             hashes: DefaultHashBuilder::default(),
             known: HashTable::new(),
             expanded: HashTable::new(),
-            held: Vec::new(),
+            marks: Vec::new(),
             order,
             expansion: None,
             found: None,
@@ -199,13 +205,14 @@ impl<'a> Exhaustive<'a> {
                 true => self.context.held_at_start(root).unwrap_or(NONE),
                 false => NONE,
             };
-            let hash = hashed(&self.hashes, self.context.tree.state(root), held);
-            self.keep(root, held, hash);
+            let mark = (held, self.context.first_step(root));
+            let hash = hashed(&self.hashes, self.context.tree.state(root), mark);
+            self.keep(root, mark, hash);
         }
     }
 
-    /// Stores a new node with its held input.
-    fn keep(&mut self, node: NodeId, held: u16, hash: u64) {
+    /// Stores a new node with its mark.
+    fn keep(&mut self, node: NodeId, mark: Mark, hash: u64) {
         let tree = &self.context.tree;
         let distance = match self.order {
             Order::Breadth { .. } => 0.0,
@@ -215,12 +222,12 @@ impl<'a> Exhaustive<'a> {
             }
         };
         self.order.push(node, tree.depth(node), distance);
-        if self.change.continues() {
-            self.held.push(held);
+        if self.change.continues() || self.context.problem.is_foretold() {
+            self.marks.push(mark);
         }
-        let (held, hashes) = (&self.held, &self.hashes);
-        let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), held_by(held, *id));
-        match find(&mut self.known, tree, held, hash, node) {
+        let (marks, hashes) = (&self.marks, &self.hashes);
+        let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), mark_of(marks, *id));
+        match find(&mut self.known, tree, marks, hash, node) {
             // The same state was reached later before.
             Some(later) => *later = node.0,
             None => {
@@ -238,16 +245,20 @@ impl<'a> Exhaustive<'a> {
                 return Some(Expansion { node, continues: false, new_inputs: (0, inputs) });
             }
             let (tree, hashes) = (&self.context.tree, &self.hashes);
-            let (state, held) = (tree.state(node), held_by(&self.held, node.0));
-            let hash = hashed(hashes, state, held);
-            if find(&mut self.known, tree, &self.held, hash, node).is_none_or(|known| *known != node.0) {
+            let (state, (held, step)) = (tree.state(node), mark_of(&self.marks, node.0));
+            let hash = hashed(hashes, state, (held, step));
+            if find(&mut self.known, tree, &self.marks, hash, node).is_none_or(|known| *known != node.0) {
                 // The same state was reached sooner in the meantime.
                 continue;
             }
-            let hash = hashed(hashes, state, NONE);
-            let is_new = self.expanded.find(hash, |id| tree.state(NodeId(*id)) == state).is_none();
+            let marks = &self.marks;
+            let new_from = |id: u32| (NONE, mark_of(marks, id).1);
+            let hash = hashed(hashes, state, (NONE, step));
+            let is_same = |id: &u32| new_from(*id) == (NONE, step) && tree.state(NodeId(*id)) == state;
+            let is_new = self.expanded.find(hash, is_same).is_none();
             if is_new {
-                self.expanded.insert_unique(hash, node.0, |id| hashed(hashes, tree.state(NodeId(*id)), NONE));
+                let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), new_from(*id));
+                self.expanded.insert_unique(hash, node.0, rehash);
             }
             return Some(Expansion { node, continues: held != NONE, new_inputs: (0, if is_new { inputs } else { 0 }) });
         }
@@ -257,7 +268,7 @@ impl<'a> Exhaustive<'a> {
     fn extend(&mut self, expansion: &mut Expansion) {
         let node = expansion.node;
         let choice = if std::mem::take(&mut expansion.continues) {
-            Choice { node, input: usize::from(held_by(&self.held, node.0)), hold: 1 }
+            Choice { node, input: usize::from(mark_of(&self.marks, node.0).0), hold: 1 }
         } else {
             expansion.new_inputs.0 += 1;
             Choice { node, input: expansion.new_inputs.0 - 1, hold: self.change.hold() }
@@ -274,15 +285,19 @@ impl<'a> Exhaustive<'a> {
             Extension::Open => {
                 let state = self.context.reached();
                 let held = if self.change.continues() { choice.input as u16 } else { NONE };
-                let (tree, all) = (&self.context.tree, &self.held);
-                let hash = hashed(&self.hashes, state, held);
-                let is_same = |id: &u32| held_by(all, *id) == held && tree.state(NodeId(*id)) == state;
+                let step = match self.context.problem.is_foretold() {
+                    true => self.context.first_step(node) + u64::from(choice.hold),
+                    false => 0,
+                };
+                let (tree, all, mark) = (&self.context.tree, &self.marks, (held, step));
+                let hash = hashed(&self.hashes, state, mark);
+                let is_same = |id: &u32| mark_of(all, *id) == mark && tree.state(NodeId(*id)) == state;
                 let known = self.known.find(hash, is_same);
                 // A longer hold may reach it before a shorter one that started later.
                 let later = |id: &u32| tree.depth(NodeId(*id)) > depth + u32::from(choice.hold);
                 if known.is_none_or(|id| self.is_breadth_first() && later(id)) {
                     let id = self.context.add(choice, false);
-                    self.keep(id, held, hash);
+                    self.keep(id, mark, hash);
                 }
             }
         }
@@ -293,7 +308,8 @@ impl<'a> Exhaustive<'a> {
     fn is_complete(&self, steps: u32) -> bool {
         let notes = &self.context.notes;
         let is_far = |cut: &Cut| cut.soonest.saturating_add(1) >= steps;
-        !self.context.controls.truncated && notes.fault.is_none() && notes.cuts.iter().all(is_far)
+        let are_all = !self.context.controls.truncated && !notes.has_open_draws && !self.context.is_by_luck();
+        are_all && notes.fault.is_none() && notes.cuts.iter().all(is_far)
     }
 
     /// The path found, if it is final: if no path of fewer than `least` steps can still be found, or at once if best
@@ -384,7 +400,7 @@ impl Searcher for Exhaustive<'_> {
 
     fn bytes(&self) -> usize {
         let tables = (self.known.capacity() + self.expanded.capacity()) * 5;
-        self.context.bytes() + tables + self.held.capacity() * 2 + self.order.bytes()
+        self.context.bytes() + tables + self.marks.capacity() * size_of::<Mark>() + self.order.bytes()
     }
 
     fn planner(&self) -> &'static str {
@@ -395,17 +411,23 @@ impl Searcher for Exhaustive<'_> {
     }
 }
 
-/// The input that is held at a node.
-fn held_by(held: &[u16], node: u32) -> u16 {
-    held.get(node as usize).copied().unwrap_or(NONE)
+/// What tells a node apart.
+fn mark_of(marks: &[Mark], node: u32) -> Mark {
+    marks.get(node as usize).copied().unwrap_or(UNMARKED)
 }
 
-fn hashed(hashes: &DefaultHashBuilder, state: &[u8], held: u16) -> u64 {
-    hashes.hash_one((state, held))
+fn hashed(hashes: &DefaultHashBuilder, state: &[u8], mark: Mark) -> u64 {
+    hashes.hash_one((state, mark))
 }
 
-/// The entry of a node's state and input.
-fn find<'t>(known: &'t mut HashTable<u32>, tree: &Tree, held: &[u16], hash: u64, node: NodeId) -> Option<&'t mut u32> {
-    let (state, mine) = (tree.state(node), held_by(held, node.0));
-    known.find_mut(hash, |id| held_by(held, *id) == mine && tree.state(NodeId(*id)) == state)
+/// The entry of a node's state and mark.
+fn find<'t>(
+    known: &'t mut HashTable<u32>,
+    tree: &Tree,
+    marks: &[Mark],
+    hash: u64,
+    node: NodeId,
+) -> Option<&'t mut u32> {
+    let (state, mine) = (tree.state(node), mark_of(marks, node.0));
+    known.find_mut(hash, |id| mark_of(marks, *id) == mine && tree.state(NodeId(*id)) == state)
 }

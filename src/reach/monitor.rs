@@ -94,10 +94,14 @@ impl Monitor {
                 return;
             }
             let Some(input) = inputs.next() else { return };
-            if sim.metered_step(&mut state, input, &mut scratch, meter).is_err() || meter.is_stopped() {
+            let drawn = problem.draw(done.len() + 1, input);
+            if sim.metered_step(&mut state, &drawn, &mut scratch, meter).is_err() || meter.is_stopped() {
                 return;
             }
-            done.push(input, 1);
+            match sim.draws() {
+                [] => done.push(input, 1),
+                _ => done.push(&sim.drawn(&drawn, &scratch), 1),
+            }
         }
     }
 

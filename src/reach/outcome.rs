@@ -151,6 +151,9 @@ pub struct Outcome {
     pub record: Vec<Visited>,
     /// Whether some combinations of inputs were left out because there are too many.
     pub truncated: bool,
+    /// Whether a step has read a draw of nature of which not all values were tried; then a "no" cannot be proven by
+    /// trying.
+    pub has_open_draws: bool,
     /// The first run-time error, with its step (from 1): a mistake in the program.
     pub fault: Option<(Fault, u64)>,
     /// Whether an axis is read for more than its sign, so that -1, 0 and 1 do not cover all inputs.
@@ -223,6 +226,7 @@ impl Outcome {
             violations: Vec::new(),
             record: Vec::new(),
             truncated: false,
+            has_open_draws: false,
             fault: None,
             reads_between: false,
             refuted: None,

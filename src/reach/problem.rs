@@ -1,9 +1,10 @@
 //! The question: a world, a target, the starts of a search, and the conditions that end a branch.
 
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use crate::ir::{ExprId, GoalId, NeverId, SlotId};
-use crate::sim::{Fault, Script, Simulator, State};
+use crate::sim::{Fault, Input, Script, Simulator, State};
 use crate::watch::{Meter, Unwatched, Watch};
 
 use super::monitor::Monitor;
@@ -60,6 +61,8 @@ pub struct Start {
     pub after: u64,
     /// The state after them.
     pub state: State,
+    /// Whether a step that is not given has read what nature draws, of which only one value was tried.
+    pub is_by_luck: bool,
 }
 
 impl Start {
@@ -93,6 +96,10 @@ pub struct Problem<'s> {
     within: Option<u32>,
     /// Minimum number of steps for which each input is held.
     min_hold: u16,
+    /// What nature draws where a script leaves it open.
+    seed: u64,
+    /// Whether the search leaves it open, too.
+    is_foretold: bool,
     players: Vec<SlotId>,
     /// Checks the states created for an answer.
     monitor: Option<&'s Monitor>,
@@ -119,9 +126,17 @@ impl<'s> Problem<'s> {
             avoided: Vec::new(),
             within: None,
             min_hold: 1,
+            seed: 0,
+            is_foretold: false,
             starts: Vec::new(),
             initial: OnceLock::new(),
         }
+    }
+
+    /// The same question about another target.
+    #[must_use]
+    pub(super) fn of(self, target: Target) -> Self {
+        Problem { target, ..self }
     }
 
     /// Excludes a predicate of the world on the path.
@@ -169,6 +184,24 @@ impl<'s> Problem<'s> {
         self
     }
 
+    /// Fixes what nature draws to the sequence of a seed. Otherwise a search is free to choose it.
+    #[must_use]
+    pub fn foretold(mut self, seed: u64) -> Self {
+        (self.seed, self.is_foretold) = (seed, true);
+        self
+    }
+
+    /// Whether a seed fixes what nature draws.
+    pub fn is_foretold(&self) -> bool {
+        self.is_foretold
+    }
+
+    /// An input with all that nature draws in a step, which counts from the initial state on: what a script leaves open
+    /// is drawn from the seed.
+    pub fn draw<'i>(&self, step: u64, input: &'i Input) -> Cow<'i, Input> {
+        self.sim.draw(self.seed, step, input)
+    }
+
     /// Minimum number of steps for which an input is held.
     pub fn min_hold(&self) -> u16 {
         self.min_hold
@@ -195,13 +228,14 @@ impl<'s> Problem<'s> {
         };
         over(&state, 0)?;
         for (input, step) in script.inputs().zip(1_u64..) {
-            self.sim.metered_step(&mut state, input, &mut scratch, &meter).map_err(|f| BadStart::Fault(f, step))?;
+            let input = self.draw(step, input);
+            self.sim.metered_step(&mut state, &input, &mut scratch, &meter).map_err(|f| BadStart::Fault(f, step))?;
             if meter.is_stopped() {
                 return Err(BadStart::Stopped);
             }
             over(&state, step)?;
         }
-        self.starts.push(Start { after: script.len(), script, state });
+        self.starts.push(Start { after: script.len(), script, state, is_by_luck: false });
         Ok(self)
     }
 
@@ -213,7 +247,7 @@ impl<'s> Problem<'s> {
         if !self.starts.is_empty() {
             return Ok(Some(self.starts.clone()));
         }
-        let start = |state| vec![Start { script: Script::default(), after: 0, state }];
+        let start = |state| vec![Start { script: Script::default(), after: 0, state, is_by_luck: false }];
         Ok(self.initial(watch)?.map(start))
     }
 

@@ -132,12 +132,12 @@ fn search_monitored(
 ) -> Result<Outcome, Fault> {
     let Some(all) = problem.starts(watch)? else { return Ok(Outcome::stopped(settings.planner)) };
     let is_alone = all.len() == 1;
-    let (mut starts, mut fault) = (Vec::new(), None);
+    let (mut starts, mut fault, mut is_by_luck) = (Vec::new(), None, false);
     for start in all {
         problem.monitor().inspect(|monitor| monitor.follow(problem, &start.script, &Meter::new(watch)));
         match finish_hold(problem, start, watch)? {
             StartStatus::Open(start) => starts.push(start),
-            StartStatus::Over => {}
+            StartStatus::Over { is_by_luck: by_luck } => is_by_luck |= by_luck,
             StartStatus::Fault(at, step) => fault = fault.or(Some((at, step))),
             StartStatus::Stopped => return Ok(Outcome::stopped(settings.planner)),
             StartStatus::Goal { script, after } => {
@@ -149,7 +149,8 @@ fn search_monitored(
         }
     }
     if starts.is_empty() {
-        let verdict = if fault.is_some() { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
+        let verdict =
+            if fault.is_some() || is_by_luck { Verdict::NotFound } else { Verdict::Unreachable(Argument::Over) };
         return Ok(Outcome { fault, ..Outcome::of(verdict, settings.planner.name()) });
     }
     // Among thousands of instances, preparing a search takes long.
@@ -170,7 +171,8 @@ fn search_monitored(
         watch,
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
-    Ok(ParallelSearch { trees, settings, limits, watch, fault, reads_between: reads_between(problem) }.grow())
+    let reads_between = reads_between(problem);
+    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow())
 }
 
 /// Builds searchers.
@@ -223,7 +225,12 @@ impl<'a> Builder<'_, 'a> {
     }
 
     fn exhaustive(&self, tree: usize, change: Change, best_first: bool) -> Exhaustive<'a> {
-        Exhaustive::new(self.context(tree, ControlSets::complete(), (1, 1)), change, best_first)
+        let mut controls = ControlSets::complete();
+        // An input that continues is found by its number, which is then that of the players' input alone.
+        if !change.continues() {
+            controls = controls.with_draws(self.problem);
+        }
+        Exhaustive::new(self.context(tree, controls, (1, 1)), change, best_first)
     }
 
     /// The context of a tree. Trees have different starts and seeds; the first has the given seed.
@@ -247,7 +254,8 @@ impl<'a> Builder<'_, 'a> {
                     Restart::After(nodes) => Some(nodes),
                     Restart::Never => None,
                 };
-                let context = self.context(tree, ControlSets::default(), hold);
+                let controls = ControlSets::default().with_draws(self.problem);
+                let context = self.context(tree, controls, hold);
                 let goal_bias = samples.then_some(self.settings.goal_bias);
                 Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
             }
@@ -283,6 +291,8 @@ struct ParallelSearch<'f, 'a> {
     watch: &'f dyn Watch,
     /// The first run-time error before the start of any tree, with its step.
     fault: Option<(Fault, u64)>,
+    /// Whether the run of a start was over before the search, but would not have been with other draws.
+    is_by_luck: bool,
     /// Whether axis values between -1, 0 and 1 matter.
     reads_between: bool,
 }
@@ -317,8 +327,9 @@ impl ParallelSearch<'_, '_> {
                             true => Verdict::Exhausted(found),
                             false => Verdict::Unreachable(Argument::Exhaustion(found)),
                         };
-                        // A start that ended in a run-time error might have led further.
-                        let verdict = if self.fault.is_some() { Verdict::NotFound } else { verdict };
+                        // A start that ended in a run-time error, or by bad luck, might have led further.
+                        let is_open = self.fault.is_some() || self.is_by_luck;
+                        let verdict = if is_open { Verdict::NotFound } else { verdict };
                         return self.outcome(verdict, End::Answered, tree);
                     }
                     Ending::Stopped => return self.unanswered(End::Stopped, tree),
@@ -390,6 +401,7 @@ impl ParallelSearch<'_, '_> {
             violations: notes.violations,
             record: notes.record,
             truncated: notes.is_truncated,
+            has_open_draws: notes.has_open_draws,
             fault: self.fault.or(notes.fault),
             reads_between: self.reads_between,
             refuted: None,

@@ -10,6 +10,7 @@ use crate::watch::{Meter, PollLimit, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
+use super::luck::{Luck, only_read};
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
 use super::problem::{Problem, Start, StateStatus, Termination};
@@ -42,6 +43,8 @@ pub(super) struct Notes {
     pub coverage: Coverage,
     /// Whether inputs were left out because there are too many.
     pub is_truncated: bool,
+    /// Whether a step has read a draw of which not all values are tried.
+    pub has_open_draws: bool,
     /// Every node, if nodes are recorded.
     pub record: Vec<Visited>,
     /// If all states were visited without an answer for inputs that change only every few steps: the finest such
@@ -67,6 +70,7 @@ impl Notes {
         let before = self.record.len() as u32;
         self.record.extend(other.record.iter().map(|v| Visited { parent: v.parent + before, ..*v }));
         self.is_truncated |= other.is_truncated;
+        self.has_open_draws |= other.has_open_draws;
         other.cuts.iter().for_each(|cut| self.cut(*cut));
         self.exhausted = match (self.exhausted, other.exhausted) {
             (Some(a), Some(b)) => Some(if b.0 < a.0 { b } else { a }),
@@ -107,6 +111,8 @@ pub struct SearchContext<'a> {
     /// For each root of the tree, its start.
     roots: Vec<(NodeId, usize)>,
     scratch: Scratch,
+    /// What nature draws, if it does.
+    luck: Option<Luck>,
     /// The state after the last simulation.
     work: Vec<u8>,
     /// Whether a state was outside the configuration space: one is enough.
@@ -123,10 +129,11 @@ impl<'a> SearchContext<'a> {
         controls: ControlSets,
         starts: Vec<Start>,
         hold: (u16, u16),
-        rng: Pcg64,
+        mut rng: Pcg64,
         watch: &'a dyn Watch,
     ) -> Self {
         let size = problem.sim.world().layout.size;
+        let luck = Luck::new(problem, &mut rng);
         SearchContext {
             problem,
             metric,
@@ -143,6 +150,7 @@ impl<'a> SearchContext<'a> {
             starts,
             roots: Vec::new(),
             scratch: problem.sim.scratch(),
+            luck,
             work: vec![0; size],
             is_refuted: false,
             recorded: None,
@@ -170,6 +178,11 @@ impl<'a> SearchContext<'a> {
         self.starts.len()
     }
 
+    /// Whether a start is one of several that nature could have led to.
+    pub(super) fn is_by_luck(&self) -> bool {
+        self.starts.iter().any(|start| start.is_by_luck)
+    }
+
     /// The states of the starts, with the number of steps since the search began.
     pub(super) fn start_states(&self) -> impl Iterator<Item = (&[u8], u32)> {
         self.starts.iter().map(|start| (&*start.state, start.steps()))
@@ -179,6 +192,7 @@ impl<'a> SearchContext<'a> {
     pub(super) fn clear(&mut self) {
         self.tree.clear();
         self.roots.clear();
+        self.luck.iter_mut().for_each(Luck::change);
         if let Some(begin) = &mut self.recorded {
             *begin = self.notes.record.len();
         }
@@ -188,7 +202,7 @@ impl<'a> SearchContext<'a> {
     pub(super) fn add_root(&mut self, start: usize, inputs_one_by_one: bool) -> NodeId {
         let (state, depth) = (&self.starts[start].state, self.starts[start].steps());
         let set = self.controls.of(self.problem, state);
-        let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
+        let inputs = if inputs_one_by_one { self.controls.count(set) } else { 0 };
         let root = self.tree.add_root(state, depth, set, inputs);
         self.roots.push((root, start));
         self.notes.statistics.nodes += 1;
@@ -236,7 +250,7 @@ impl<'a> SearchContext<'a> {
 
     /// The number of inputs of a node, tried or not.
     pub fn inputs(&self, node: NodeId) -> usize {
-        self.controls.inputs(self.tree.set(node)).len()
+        self.controls.count(self.tree.set(node))
     }
 
     /// Simulates a choice, and updates the statistics and notes.
@@ -260,16 +274,24 @@ impl<'a> SearchContext<'a> {
         let set = self.tree.set(choice.node);
         let left = self.problem.time().map_or(u32::MAX, |most| most.saturating_sub(self.tree.depth(choice.node)));
         let mut was_beyond = self.windows.left(self.problem, &self.work).is_some();
+        let first = self.first_step(choice.node);
         for step in 1..=choice.hold {
             if u32::from(step) > left {
                 return Extension::Dead;
             }
             self.notes.statistics.steps += 1;
-            let input: &Input = &self.controls.inputs(set)[choice.input];
+            let mut input: &Input = self.controls.input(set, choice.input);
+            if let Some(luck) = &mut self.luck {
+                luck.draw(self.problem, &self.controls, (&self.tree, first), choice, step);
+                input = &luck.input;
+            }
             let stepped = self.problem.sim.metered_step(&mut self.work, input, &mut self.scratch, &self.meter);
             if self.meter.is_stopped() {
                 // The tree is left unchanged; the result means nothing.
                 return Extension::Dead;
+            }
+            if let Some(luck) = &self.luck {
+                self.notes.has_open_draws |= luck.leaves_open(self.problem.sim, &self.scratch);
             }
             match stepped.and_then(|()| self.problem.judge(&self.work)) {
                 // Comparisons of a position take effect in the next step: one state beyond the window is simulated,
@@ -316,7 +338,7 @@ impl<'a> SearchContext<'a> {
     /// Adds the result of the last simulation.
     pub(super) fn add(&mut self, choice: Choice, inputs_one_by_one: bool) -> NodeId {
         let set = self.controls.of(self.problem, &self.work);
-        let inputs = if inputs_one_by_one { self.controls.inputs(set).len() } else { 0 };
+        let inputs = if inputs_one_by_one { self.controls.count(set) } else { 0 };
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, &self.work);
         let node = self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs);
@@ -365,11 +387,32 @@ impl<'a> SearchContext<'a> {
     /// The inputs from the initial state to the end of a choice that lasts `steps` steps.
     fn script(&self, choice: Choice, steps: u16) -> Script {
         let mut script = self.start(choice.node).script.clone();
-        for step in self.tree.script(choice.node, |set| self.controls.inputs(set)).steps {
-            script.push(&step.input, step.count);
+        let last = Choice { hold: steps, ..choice };
+        let Some(mut luck) = self.luck.clone() else {
+            for choice in self.tree.choices(choice.node).into_iter().chain([last]) {
+                let input = self.controls.input(self.tree.set(choice.node), choice.input);
+                script.push(input, u32::from(choice.hold));
+            }
+            return script;
+        };
+        let all = self.tree.choices(choice.node).into_iter().map(|c| (c, c.hold)).chain([(choice, steps)]);
+        for (choice, steps) in all {
+            let first = self.first_step(choice.node);
+            for step in 1..=steps {
+                luck.draw(self.problem, &self.controls, (&self.tree, first), choice, step);
+                script.push(&luck.input, 1);
+            }
         }
-        script.push(&self.controls.inputs(self.tree.set(choice.node))[choice.input], u32::from(steps));
         script
+    }
+
+    /// The number of the first step from a node, from the initial state on; 0 where it plays no part.
+    pub(super) fn first_step(&self, node: NodeId) -> u64 {
+        if !self.problem.is_foretold() {
+            return 0;
+        }
+        let after = if let [only] = &*self.starts { only.after } else { self.start(node).after };
+        after + u64::from(self.tree.depth(node)) + 1
     }
 
     /// The plan to the target, which a choice reaches after `steps` steps; replayed.
@@ -382,16 +425,20 @@ impl<'a> SearchContext<'a> {
         let meter = if self.meter.is_stopped() { &late } else { &self.meter };
         let length = replays_to(self.problem, &script, after, &mut self.scratch, meter);
         debug_assert!(meter.is_stopped() || length == Some(script.len()), "a found path must replay");
-        (length == Some(script.len())).then_some(Plan { steps: script.len(), script, after, is_shortest })
+        if length != Some(script.len()) {
+            return None;
+        }
+        let script = if self.luck.is_some() { only_read(self.problem, &script, after, meter)? } else { script };
+        Some(Plan { steps: script.len(), script, after, is_shortest })
     }
 
     /// The input of a node's start that is still held, as an index into the node's control set; `None` at an initial
     /// state, and if it is not in the set.
     pub(super) fn held_at_start(&self, root: NodeId) -> Option<u16> {
         let last = &self.start(root).script.steps.last()?.input;
-        let inputs = self.controls.inputs(self.tree.set(root));
+        let set = self.tree.set(root);
         let read = self.controls.relevant(self.problem, last);
-        inputs.iter().position(|input| *input == read).map(|index| index as u16)
+        (0..self.controls.count(set)).find(|&index| *self.controls.input(set, index) == read).map(|index| index as u16)
     }
 
     /// Adds the notes.
@@ -433,7 +480,8 @@ pub(super) fn replays_to(
                 StateStatus::Dead(_) => return None,
             }
         }
-        problem.sim.metered_step(&mut state, inputs.next()?, scratch, meter).ok()?;
+        let input = problem.draw(step + 1, inputs.next()?);
+        problem.sim.metered_step(&mut state, &input, scratch, meter).ok()?;
         if meter.is_stopped() {
             return None;
         }

@@ -4,6 +4,7 @@
 use crate::sim::{Script, ScriptStep};
 use crate::watch::{Meter, Watch};
 
+use super::luck::only_read;
 use super::outcome::Plan;
 use super::problem::Problem;
 use super::search_context::replays_to;
@@ -73,6 +74,14 @@ pub fn shorten(problem: &Problem<'_>, plan: &Plan, watch: &dyn Watch) -> Plan {
     }
     // A plan as short as a shortest one is a shortest one.
     let steps = script.len();
+    // Other steps read what nature draws.
+    let script = match problem.sim.draws() {
+        [] => script,
+        _ => match only_read(problem, &script, kept, &Meter::new(watch)) {
+            Some(script) => script,
+            None => return plan.clone(),
+        },
+    };
     Plan { is_shortest: plan.is_shortest && steps == plan.steps, steps, script, after: kept }
 }
 

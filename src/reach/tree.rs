@@ -1,7 +1,7 @@
 //! The search tree as flat arrays by node. A node is a state, its parent, and the input that led there with its hold.
 //! States are stored in chunks, so a growing tree is never copied.
 
-use crate::sim::{Input, Script};
+use super::strategy::Choice;
 
 /// A node of a tree; 0 is the root.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -174,20 +174,17 @@ impl Tree {
         is_new
     }
 
-    /// The inputs from its root to a node. `inputs` returns those of a control set.
-    pub fn script<'i>(&self, node: NodeId, inputs: impl Fn(u16) -> &'i [Input]) -> Script {
-        let mut backwards = Vec::new();
+    /// The choices from its root to a node.
+    pub fn choices(&self, node: NodeId) -> Vec<Choice> {
+        let mut choices = Vec::new();
         let mut at = node;
         while let Some(parent) = self.parent(at) {
             let n = &self.nodes[at.index()];
-            backwards.push((self.set(parent), n.input, n.hold));
+            choices.push(Choice { node: parent, input: usize::from(n.input), hold: n.hold });
             at = parent;
         }
-        let mut script = Script::default();
-        for (set, input, hold) in backwards.into_iter().rev() {
-            script.push(&inputs(set)[usize::from(input)], u32::from(hold));
-        }
-        script
+        choices.reverse();
+        choices
     }
 
     /// The root above a node.

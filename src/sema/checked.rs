@@ -5,13 +5,14 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, SignalId, SlotId, SpaceId, Subject, TagId,
-    TouchId, VarId, WorldId,
+    Arithmetic, AxisId, ButtonId, ChanceId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function,
+    GroupId, Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, SignalId, SlotId, SpaceId, Subject,
+    TagId, TouchId, VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;
 pub use super::checked_contact::*;
+pub use super::checked_envelope::*;
 pub use super::checked_world::*;
 use crate::source::Span;
 pub use crate::syntax::ast::Name;
@@ -136,6 +137,8 @@ pub enum TermKind {
     Discrete(Subject, DiscreteId),
     /// An axis, -1..1.
     Axis(AxisId),
+    /// What is drawn in this step.
+    Chance(ChanceId),
     /// Seconds since a mode was entered; 0 while it is not active.
     Timer(ModeId),
     /// `-a`
@@ -215,6 +218,8 @@ pub struct Entity {
     pub buttons: RareVec<ButtonId, Name>,
     /// Axes that it reads.
     pub axes: RareVec<AxisId, Name>,
+    /// What is drawn in each step.
+    pub chances: RareVec<ChanceId, Chance>,
     /// Colliders.
     pub colliders: RareVec<ColliderId, Collider>,
     /// Groups; the anonymous one has no name.
@@ -335,6 +340,15 @@ pub struct Var {
     pub initial: Option<Term>,
     /// Its annotated dimension.
     pub dimension: Option<Annotation>,
+}
+
+/// A whole number that is drawn in each step.
+#[derive(Debug, Clone)]
+pub struct Chance {
+    /// Its name.
+    pub name: Name,
+    /// The least and the greatest value.
+    pub range: (i32, i32),
 }
 
 /// A discrete variable.
@@ -540,64 +554,4 @@ pub struct Update {
     pub value: Term,
     /// The whole.
     pub span: Span,
-}
-
-/// An envelope: attack, decay, sustain, release.
-#[derive(Debug, Clone)]
-pub struct Envelope {
-    /// The driven variables: one, or the components of a vector.
-    pub vars: Vec<VarId>,
-    /// Of which degree.
-    pub degree: u8,
-    /// What drives it.
-    pub by: By,
-    /// How it rises.
-    pub attack: Rate,
-    /// The level it rises to first, if not to the sustained one.
-    pub peak: Option<Term>,
-    /// How it goes from the peak to the sustained level.
-    pub decay: Rate,
-    /// The level while it is driven; the peak of a `fixed` envelope.
-    pub sustain: Term,
-    /// How long a `fixed` envelope holds its peak; `None` is 0.
-    pub sustain_for: Option<Term>,
-    /// How it falls.
-    pub release: Release,
-    /// Holds while it can be driven.
-    pub driven_while: Option<Term>,
-    /// The whole.
-    pub span: Span,
-}
-
-/// What drives an envelope.
-#[derive(Debug, Clone, PartialEq)]
-pub enum By {
-    /// A button: while it is down.
-    Button(ButtonId),
-    /// The sign of an axis.
-    Axis(AxisId),
-    /// The direction of several axes, to the nearest of this number of directions, or as it is.
-    Axes(Vec<AxisId>, Option<u32>),
-    /// The clock of the mode that holds it.
-    Clock(ModeId),
-}
-
-/// How fast a ramp is.
-#[derive(Debug, Clone)]
-pub enum Rate {
-    /// At once.
-    Instant,
-    /// By an amount per second.
-    Accel(Term),
-    /// The complete ramp takes this time, s.
-    Over(Term),
-}
-
-/// How an envelope ends.
-#[derive(Debug, Clone)]
-pub enum Release {
-    /// It stays where it is.
-    Hold,
-    /// It goes to a level (`None` is 0).
-    To(Rate, Option<Term>),
 }

@@ -89,6 +89,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Consta
         | TermKind::Instance(_)
         | TermKind::Discrete(..)
         | TermKind::Axis(_)
+        | TermKind::Chance(_)
         | TermKind::Timer(_)
         | TermKind::Button(..)
         | TermKind::Touching(_)

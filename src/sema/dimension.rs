@@ -350,7 +350,7 @@ impl Solver<'_> {
                 };
                 Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))
             }
-            TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
+            TermKind::Discrete(..) | TermKind::Axis(_) | TermKind::Chance(_) => Some(Dim::known(0, 0)),
             TermKind::Sum(sum) => Some(self.of_sum(context.me?, *sum)),
             TermKind::Negate(a) => self.dimension(a, context),
             TermKind::Arithmetic(Arithmetic::Add, sides) => {

@@ -9,15 +9,17 @@ use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::ir::{
-    AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RareVec, RefId,
-    SignalId, VarId,
+    AxisId, ButtonId, ChanceId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, MAX_CHANCES, ModeId,
+    ParamId, RareVec, RefId, SignalId, VarId,
 };
 use crate::source::Span;
 use crate::syntax::ast::{self, ALWAYS, Domain, Expr, Initial, Member, Name, Word};
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::SetId;
-use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Signal, Term, TermKind, Type, Var};
+use super::checked::{
+    Annotation, Chance, Discrete, Entity, Group, Param, Reference, Signal, Term, TermKind, Type, Var,
+};
 use super::condition::Conditions;
 use super::constant::{ConstantContext, ConstantError, evaluate};
 use super::expression::{ReadLimit, Scope};
@@ -36,6 +38,7 @@ pub(super) struct Skeleton {
     pub signals: Table<SignalId>,
     pub buttons: Table<ButtonId>,
     pub axes: Table<AxisId>,
+    pub chances: Table<ChanceId>,
     pub modes: ModeNames,
     /// For each mode: the references for which it has an edge on `lost`.
     pub lost: Vec<Vec<Word>>,
@@ -72,17 +75,19 @@ impl Skeleton {
             signals: Table::of("signal", entity.signals.iter().map(|signal| &signal.name)),
             buttons: Table::of("button", entity.buttons.iter()),
             axes: Table::of("axis", entity.axes.iter()),
+            chances: Table::of("chance", entity.chances.iter().map(|chance| &chance.name)),
             modes: ModeNames::of(entity),
             lost: modes.iter().enumerate().map(|(index, mode)| lost(index, mode)).collect(),
         }
     }
 
-    /// Where a parameter, a variable or a reference of a name is declared.
+    /// Where a parameter, a variable, a chance, a signal or a reference of a name is declared.
     pub fn value_place(&self, name: &str) -> Option<Span> {
         let param = self.params.entry(name).map(|(known, _)| known);
         let known = param.or_else(|| self.vars.entry(name).map(|(known, _)| known));
         let known = known.or_else(|| self.discretes.entry(name).map(|(known, _)| known));
         let known = known.or_else(|| self.refs.entry(name).map(|(known, _)| known));
+        let known = known.or_else(|| self.chances.entry(name).map(|(known, _)| known));
         known.or_else(|| self.signals.entry(name).map(|(known, _)| known)).map(|known| known.span)
     }
 }
@@ -102,6 +107,7 @@ impl Checker<'_> {
             probes: RareVec::new(),
             buttons: RareVec::new(),
             axes: RareVec::new(),
+            chances: RareVec::new(),
             colliders: RareVec::new(),
             groups: RareVec::new(),
             modes: RareVec::new(),
@@ -121,7 +127,7 @@ impl Checker<'_> {
         // The scope of parameter defaults.
         let mut names = Skeleton::of(&entity, &[], &self.conditions);
         let (mut modes, mut signals): (Vec<Member>, Vec<Signal>) = (Vec::new(), Vec::new());
-        // Parameters and variables share one name space; buttons and axes another.
+        // Parameters, variables and chances share one name space; buttons and axes another.
         let mut values: Table<()> = Table::new("parameter or variable");
         let mut inputs: Table<()> = Table::new("input");
         for member in syntax.members {
@@ -205,6 +211,7 @@ impl Checker<'_> {
                         names.axes.declare(name, id, &mut self.diagnostics);
                     }
                 }
+                Member::Chance(c) => self.chance(&c, &mut entity, &mut names, &mut values),
                 Member::Group(_) | Member::Mode(_) => modes.push(member),
                 Member::Use(_) => {}
                 other => body.members.push(other),
@@ -253,6 +260,21 @@ impl Checker<'_> {
         names.params.declare(&p.name, id, &mut self.diagnostics);
     }
 
+    fn chance(&mut self, c: &ast::Chance, entity: &mut Entity, names: &mut Skeleton, values: &mut Table<()>) {
+        self.record_declaration(NameKind::Chance, &c.name);
+        if !self.is_new_value(&c.name, values) {
+            return;
+        }
+        if entity.chances.is_full(MAX_CHANCES) {
+            self.too_many("chances", MAX_CHANCES, c.name.span);
+            return;
+        }
+        // A chance with an invalid range still declares its name.
+        let range = self.int_range(&c.low, &c.high).unwrap_or((0, 1));
+        let id = entity.chances.push(Chance { name: c.name.clone(), range });
+        names.chances.declare(&c.name, id, &mut self.diagnostics);
+    }
+
     pub(super) fn annotation(&mut self, d: &ast::Dimension) -> Option<Annotation> {
         match Annotation::read(d) {
             Ok(annotation) => Some(annotation),
@@ -291,21 +313,23 @@ impl Checker<'_> {
                 self.sets[set].places.extend(names.iter().cloned());
                 (Type::Set(set), (0, last))
             }
-            Domain::Int(low, high) => {
-                let (a, b) = (self.whole(low), self.whole(high));
-                if let (Some(a), Some(b)) = (a, b) {
-                    if a <= b {
-                        return (Type::Int, (a, b));
-                    }
-                    self.diagnostics.report(OutOfRange {
-                        at: high.span,
-                        what: format!("the greatest value {b}"),
-                        range: format!("{a} and above"),
-                    });
-                }
-                (Type::Int, (i32::MIN, i32::MAX))
-            }
+            Domain::Int(low, high) => (Type::Int, self.int_range(low, high).unwrap_or((i32::MIN, i32::MAX))),
         }
+    }
+
+    /// A constant range of whole numbers; `None` if it is reported.
+    fn int_range(&mut self, low: &Expr, high: &Expr) -> Option<(i32, i32)> {
+        let (a, b) = (self.whole(low), self.whole(high));
+        let (a, b) = (a?, b?);
+        if a <= b {
+            return Some((a, b));
+        }
+        self.diagnostics.report(OutOfRange {
+            at: high.span,
+            what: format!("the greatest value {b}"),
+            range: format!("{a} and above"),
+        });
+        None
     }
 
     /// A constant whole number.
@@ -425,6 +449,7 @@ impl Checker<'_> {
             Member::Discrete(d) => (d.name.span, "a `discrete`"),
             Member::Buttons(list) => (list.1, "a `button`"),
             Member::Axes(list) => (list.1, "an `axis`"),
+            Member::Chance(c) => (c.span, "a `chance`"),
             Member::Collider(c) => (c.span, "a `collider`"),
             Member::Group(g) => (g.name.span, "a `group`"),
             Member::Mode(m) if m.initial == Initial::Always => (m.name.span, "`always`"),

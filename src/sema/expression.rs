@@ -447,6 +447,12 @@ impl Checker<'_> {
                 self.allow(Some(()), span, scope, ReadLimit::State, "a variable")?;
                 return make(TermKind::Discrete(Subject::Me, id), entity.discretes[id].ty);
             }
+            if let Some(&id) = names.chances.get(&name.text) {
+                self.record_use(NameKind::Chance, name.span, entity.chances[id].name.span);
+                self.unprimed(path)?;
+                self.allow(Some(()), span, scope, ReadLimit::All, "a chance")?;
+                return make(TermKind::Chance(id), Type::Int);
+            }
             if let Some(index) = self.visible_condition(&name.text, scope) {
                 return self.used_condition(index, path, span, scope);
             }
@@ -492,7 +498,9 @@ impl Checker<'_> {
         let meant = meant.or_else(|| self.value_of_instance(&name.text, scope));
         let of_entity = scope.names.into_iter().flat_map(|names| {
             let plain = Some(names).filter(|_| path.primes == 0).into_iter();
-            let plain = plain.flat_map(|n| n.params.names().chain(n.discretes.names()).chain(n.axes.names()));
+            let plain = plain.flat_map(|n| {
+                n.params.names().chain(n.discretes.names()).chain(n.axes.names()).chain(n.chances.names())
+            });
             names.vars.names().chain(plain)
         });
         let set = wanted.and_then(|ty| if let Type::Set(set) = ty { Some(*set) } else { None });

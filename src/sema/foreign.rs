@@ -8,6 +8,7 @@ use crate::syntax::NO_POWER;
 use crate::syntax::ast::{self, Expr, Item, MapSource, SpaceItem, TileSpawn, Word, WorldItem};
 
 use super::Checker;
+use super::checked::Entity;
 use super::expression::Scope;
 
 /// The instances that worlds place, with their entities; for suggestions before worlds are checked.
@@ -77,7 +78,15 @@ pub(super) fn rate(name: &str) -> Option<String> {
     Some(format!("a velocity is the rate of a position: `{of}'`"))
 }
 
-const NO_RANDOMNESS: &str = "there is no randomness: a run is determined by its inputs";
+const RANDOMNESS: &str = "a random number is a `chance`, which each step draws anew: `chance roll: 1..6` in the entity";
+
+/// What takes the place of a write to a chance, and of a read of another instance's.
+pub(super) fn drawn(entity: &Entity, name: &str) -> Option<String> {
+    let is_chance = entity.chances.iter().any(|chance| chance.name.text == name);
+    is_chance.then(|| {
+        format!("`{name}` is a `chance` that nature draws for `{}` alone; a `discrete` can keep it", entity.name.text)
+    })
+}
 
 fn is_random(name: &str) -> bool {
     let name = name.to_lowercase();
@@ -95,7 +104,7 @@ fn value(name: &str) -> Option<String> {
         "horizontal" | "vertical" => format!("an axis is declared in the entity: `axis {name}`"),
         "time" | "elapsed" | "seconds" => "`timer` is the time since the mode was entered, s".into(),
         "PI" | "TAU" => format!("the number is written `{}`", name.to_lowercase()),
-        _ if is_random(name) => NO_RANDOMNESS.into(),
+        _ if is_random(name) => RANDOMNESS.into(),
         _ => return None,
     })
 }
@@ -114,7 +123,7 @@ pub(super) fn function(name: &str) -> Option<String> {
         "atan" | "arctan" => "the angle of a direction is `atan2(y, x)`".into(),
         "iff" | "cond" | "choose" | "select" | "ternary" => "a choice is `if(condition, a, b)`".into(),
         "collides" | "colliding" | "overlaps" | "collision" => "a contact is asked with `touching(tag)`".into(),
-        _ if is_random(name) => NO_RANDOMNESS.into(),
+        _ if is_random(name) => RANDOMNESS.into(),
         _ => return None,
     })
 }

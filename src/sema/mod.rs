@@ -7,6 +7,7 @@ mod annotation;
 mod call;
 pub mod checked;
 mod checked_contact;
+mod checked_envelope;
 mod checked_world;
 mod condition;
 mod conflict;

@@ -16,6 +16,7 @@ use crate::syntax::occurrence::{NameKind, Role};
 use super::checked::{Action, Discrete, Edge, Entity, Follow, Given, Mode, Term, TermKind, Type, Update};
 use super::expression::{ReadLimit, Scope};
 use super::facts::Mark;
+use super::foreign;
 use super::names::{Candidate, unknown};
 use super::operator::arithmetic;
 use super::{Boxes, Checker};
@@ -441,6 +442,15 @@ impl Checker<'_> {
                 found: "a signal".into(),
                 expected: "a variable".into(),
                 help: Some(format!("`send self.{}` sends it to this instance", name.text)),
+            });
+            return None;
+        }
+        if let Some(help) = scope.entity.and_then(|entity| foreign::drawn(entity, &name.text)) {
+            self.diagnostics.report(TypeMismatch {
+                at: update.variable.span,
+                found: "a chance".into(),
+                expected: "a variable".into(),
+                help: Some(help),
             });
             return None;
         }

@@ -10,6 +10,7 @@ use crate::syntax::occurrence::{NameKind, Role};
 use super::Checker;
 use super::checked::{Given, Term, TermKind, Touching, Type};
 use super::expression::{ReadLimit, Scope};
+use super::foreign;
 use super::names::{Candidate, unknown};
 
 impl Checker<'_> {
@@ -137,6 +138,7 @@ impl Checker<'_> {
                 let (name, of) = (&second.text, &entity.name.text);
                 format!("`{name}` is a condition, which only `{of}` itself can use; a `discrete … : bool` can be read")
             });
+            let meant = meant.or_else(|| foreign::drawn(&entity, &second.text));
             let fact = unknown("variable", &second.text, second.span, known).suggestion(meant);
             self.report_unknown(fact);
             None

@@ -89,6 +89,7 @@ fn reads_more(term: &Term) -> Option<Span> {
         | TermKind::Frames(_)
         | TermKind::Bool(_)
         | TermKind::Axis(_)
+        | TermKind::Chance(_)
         | TermKind::Timer(_)
         | TermKind::Button(..)
         | TermKind::Negate(_)

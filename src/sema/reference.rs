@@ -17,6 +17,7 @@ use super::Checker;
 use super::checked::{Action, Edge, Entity, Given, Spawn, Term, TermKind, Type};
 use super::entity::Skeleton;
 use super::expression::Scope;
+use super::foreign;
 use super::names::{Table, unknown};
 
 /// The reference, if the whole guard is `lost(…)`.
@@ -228,7 +229,8 @@ impl Checker<'_> {
         let known = of.params.iter().map(|p| &p.name);
         let known = known.chain(of.discretes.iter().map(|d| &d.name)).chain(of.refs.iter().map(|r| &r.name));
         let known = known.chain(of.vars.iter().map(|v| &v.name));
-        let fact = unknown("parameter or variable", &name.text, name.span, known);
+        let meant = foreign::drawn(&of, &name.text);
+        let fact = unknown("parameter or variable", &name.text, name.span, known).suggestion(meant);
         self.report_unknown(fact);
         None
     }

@@ -166,6 +166,8 @@ pub(super) struct Actor {
     pub vars: ops::Range<usize>,
     pub clamps: ops::Range<usize>,
     pub envelopes: ops::Range<usize>,
+    /// The number of its first draw among those of the world.
+    pub draws: usize,
     /// The index of the controlling player.
     pub player: Option<usize>,
     /// Whether it has clamps with variable bounds, or envelopes that record their peak.
@@ -181,7 +183,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
         *from += count;
         *from - count..*from
     };
-    let (mut all_groups, mut all_vars, mut all_clamps, mut all_envelopes) = (0, 0, 0, 0);
+    let (mut all_groups, mut all_vars, mut all_clamps, mut all_envelopes, mut all_draws) = (0, 0, 0, 0, 0);
     let mut out = Vec::with_capacity(world.slots.len());
     for (id, slot) in world.slots.pairs() {
         let entity = &program.entities[slot.entity];
@@ -211,6 +213,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
             vars: take(&mut all_vars, entity.vars.len()),
             clamps: take(&mut all_clamps, entity.clamps.len()),
             envelopes: take(&mut all_envelopes, entity.envelopes.len()),
+            draws: take(&mut all_draws, entity.chances.len()).start,
             player: slot.player.map(Id::index),
             is_bounded,
         });

@@ -16,10 +16,10 @@ use crate::watch::Meter;
 
 use super::actor::Actor;
 use super::broad_phase::{BroadPhase, Sweep, each, is_few};
+use super::chance::Frames;
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::covered_faces::Adjacency;
 use super::fault::Fault;
-use super::input::Frame;
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::state::{PositionLayout, leaf_at};
 use super::tiles::Grid;
@@ -460,7 +460,7 @@ impl Simulator {
         &self,
         body: &Body,
         state: &[u8],
-        frames: &[Frame],
+        frames: &Frames,
         fault: &Cell<Option<Fault>>,
     ) -> Option<[f64; 4]> {
         let actor = &self.actors[body.slot.index()];

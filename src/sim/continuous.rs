@@ -8,11 +8,11 @@ use std::cell::Cell;
 use crate::ir::{Clamp, Drive, Entity, GroupId, Id, VarId};
 
 use super::actor::{Actor, COAST, Flow, Plan};
+use super::chance::Frames;
 use super::discrete::TakenEdge;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
-use super::input::Frame;
 use super::simulator::{Scratch, Simulator};
 use super::state::{set_triple, triple};
 
@@ -55,7 +55,7 @@ impl Simulator {
         &self,
         state: &[u8],
         actor: &Actor,
-        frames: &[Frame],
+        frames: &Frames,
         taken: &[Option<TakenEdge>],
         own: &mut [Flow],
         fault: &Cell<Option<Fault>>,
@@ -81,7 +81,7 @@ impl Simulator {
         &self,
         state: &[u8],
         actor: &Actor,
-        frames: &[Frame],
+        frames: &Frames,
         clamps: &mut [(f64, f64)],
         peaks: &mut [u16],
         fault: &Cell<Option<Fault>>,

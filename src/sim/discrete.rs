@@ -9,9 +9,9 @@ use crate::ir::{
 };
 
 use super::actor::{Actor, Plan};
+use super::chance::Frames;
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
-use super::input::Frame;
 use super::life::Changes;
 use super::simulator::{Scratch, Simulator};
 
@@ -59,7 +59,7 @@ impl Simulator {
     fn decide(
         &self,
         state: &[u8],
-        frames: &[Frame],
+        frames: &Frames,
         taken: &mut [Option<TakenEdge>],
         acting: &mut Vec<ActingGroup>,
         fault: &Cell<Option<Fault>>,

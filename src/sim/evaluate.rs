@@ -8,6 +8,7 @@ use crate::ir::{
 };
 
 use super::actor::{Actor, Guard};
+use super::chance::Frames;
 use super::discrete::TakenEdge;
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
@@ -19,7 +20,7 @@ use super::simulator::Simulator;
 pub(super) struct Reader<'a> {
     pub sim: &'a Simulator,
     pub state: &'a [u8],
-    pub frames: &'a [Frame],
+    pub frames: &'a Frames,
     /// The transitions of the instance's groups in this step, as far as they are decided.
     pub taken: &'a [Option<TakenEdge>],
     pub fault: &'a Cell<Option<Fault>>,
@@ -117,7 +118,7 @@ impl<'a> Reader<'a> {
 
     #[inline]
     fn frame(&self) -> Option<&Frame> {
-        self.actor.and_then(|a| a.player).and_then(|p| self.frames.get(p))
+        self.actor.and_then(|a| a.player).and_then(|p| self.frames.players.get(p))
     }
 
     pub fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
@@ -200,6 +201,7 @@ impl<'a> Reader<'a> {
             }
             Expr::Axis(axis) => self.axis(axis),
             Expr::Sum(sum) => self.own_layout().sum(self.state, sum),
+            Expr::Chance(chance) => self.actor.map_or(0.0, |a| self.frames.read(a.draws + chance.index())),
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Negate(a) => -self.number(a),
@@ -297,6 +299,7 @@ impl<'a> Reader<'a> {
             | Expr::Discrete(..)
             | Expr::Axis(_)
             | Expr::Sum(_)
+            | Expr::Chance(_)
             | Expr::Timer(_)
             | Expr::Frames(_)
             | Expr::Negate(_)

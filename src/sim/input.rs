@@ -1,8 +1,9 @@
-//! The inputs of one step: for each player, the pressed buttons and the axes.
+//! The inputs of one step: for each player, the pressed buttons and the axes; of nature, what is drawn.
 
 use crate::ir::MAX_AXES;
 use crate::ir::{AxisId, ButtonId, Id, PlayerId};
 
+use super::chance::Draws;
 use super::simulator::Simulator;
 
 /// The input of one player in one step.
@@ -14,9 +15,10 @@ pub struct PlayerInput {
     pub axes: [f64; MAX_AXES],
 }
 
-/// The inputs of all players in one step, in the order of the world's players; missing entries are empty.
+/// The inputs of all players in one step, in the order of the world's players; missing entries are empty. Then the draws
+/// of nature that are fixed: [`Simulator::draw`] draws the others, and one that is still open is the least value.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Input(pub Vec<PlayerInput>);
+pub struct Input(pub Vec<PlayerInput>, pub Draws);
 
 impl Input {
     /// The input of a player.
@@ -25,9 +27,14 @@ impl Input {
         self.0.get(player.index()).copied().unwrap_or_default()
     }
 
+    /// The inputs of players, with all draws open.
+    pub fn of_players(players: Vec<PlayerInput>) -> Input {
+        Input(players, Draws::default())
+    }
+
     /// Empty input for a number of players.
     pub fn nothing(players: usize) -> Input {
-        Input(vec![PlayerInput::default(); players])
+        Input(vec![PlayerInput::default(); players], Draws::default())
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod actor;
 mod broad_phase;
+pub(crate) mod chance;
 mod collision;
 mod contact;
 mod continuous;
@@ -27,6 +28,7 @@ pub mod state;
 mod tiles;
 mod trace;
 
+pub use chance::{Draw, DrawId, Draws};
 pub use event::Event;
 pub use fault::{Fault, FaultKind};
 pub use input::{Control, Input, PlayerInput};

@@ -65,6 +65,10 @@ pub struct Run {
     scratch: Scratch,
     /// The state at the start of the last step: restored if a step fails, and compared to derive events.
     before: State,
+    /// Draws what an input leaves open.
+    seed: u64,
+    /// Number of steps so far.
+    steps: u64,
 }
 
 impl Run {
@@ -83,17 +87,40 @@ impl Run {
     pub fn of(sim: Arc<Simulator>) -> Result<Run, Fault> {
         let mut scratch = sim.scratch();
         let state = sim.initial(&mut scratch)?;
-        Ok(Run { before: state.clone(), state, scratch, sim })
+        Ok(Run { before: state.clone(), state, scratch, sim, seed: 0, steps: 0 })
     }
 
-    /// One step of time.
+    /// Draws what inputs leave open from another seed; that of a new run is 0. The same seed and inputs give the same
+    /// run.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.seed = seed;
+    }
+
+    /// Number of steps so far: what a seed draws depends on it.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Continues the count of steps at another number, for instance that of a [state](Run::set_state) that was stored.
+    pub fn set_steps(&mut self, steps: u64) {
+        self.steps = steps;
+    }
+
+    /// The input of the last step, with what nature drew and the step has read.
+    pub fn drawn(&self, input: &Input) -> Input {
+        self.sim.drawn(input, &self.scratch)
+    }
+
+    /// One step of time. What the input leaves open is drawn.
     ///
     /// A [`Fault`] if the program breaks a rule of the language; the state is then unchanged.
     pub fn step(&mut self, input: &Input) -> Result<(), Fault> {
         self.before.clone_from(&self.state);
-        let stepped = self.sim.step(&mut self.state, input, &mut self.scratch);
-        if stepped.is_err() {
-            self.state.clone_from(&self.before);
+        let drawn = self.sim.draw(self.seed, self.steps + 1, input);
+        let stepped = self.sim.step(&mut self.state, &drawn, &mut self.scratch);
+        match stepped {
+            Ok(()) => self.steps += 1,
+            Err(_) => self.state.clone_from(&self.before),
         }
         stepped
     }

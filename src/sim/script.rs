@@ -1,6 +1,6 @@
 //! Input scripts: `right*40 right+jump*12 -*10`. Steps are separated by white space; `A+B*N` holds A and B for N
-//! steps, `-` is nothing, `steer=-0.5` sets an axis, `2:jump` is player 2's. `left right down up` stand for ∓1 of
-//! `horizontal` and `vertical`, unless the entity has buttons of these names.
+//! steps, `-` is nothing, `steer=-0.5` sets an axis, `2:jump` is player 2's, `nature:hero.roll=3` fixes what is drawn.
+//! `left right down up` stand for ∓1 of `horizontal` and `vertical`, unless the entity has buttons of these names.
 
 use std::fmt::Write;
 
@@ -9,6 +9,7 @@ use crate::diagnostic::{Diagnostics, similar};
 use crate::ir::{AxisId, ButtonId, Entity, Id, PlayerId, Program, WorldId};
 use crate::source::{FileId, Span};
 
+use super::chance;
 use super::input::{Input, PlayerInput};
 
 /// Maximum number of steps of a script.
@@ -88,13 +89,13 @@ impl Script {
 }
 
 /// The names of the inputs of one step, as written in scripts.
-pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<String> {
-    let world = &program.worlds[world];
+pub(super) fn names(program: &Program, id: WorldId, input: &Input) -> Vec<String> {
+    let world = &program.worlds[id];
     let first = world.players.iter().map(|p| p.number).min();
     let mut names = Vec::new();
-    for (id, player) in world.players.pairs() {
+    for (of, player) in world.players.pairs() {
         let entity = &program.entities[world.slots[player.slot].entity];
-        let given = input.of(id);
+        let given = input.of(of);
         let prefix = if Some(player.number) == first { String::new() } else { format!("{}:", player.number) };
         for (axis, name) in entity.axes.pairs() {
             let value = given.axes[axis.index()];
@@ -114,8 +115,12 @@ pub(super) fn names(program: &Program, world: WorldId, input: &Input) -> Vec<Str
             }
         }
     }
+    names.extend(chance::names(program, id, &input.1));
     names
 }
+
+/// The prefix of what nature draws.
+const NATURE: &str = "nature:";
 
 /// Words for the ends of the two usual axes.
 const DIRECTIONS: [(&str, &str, f64); 4] =
@@ -200,6 +205,9 @@ impl Parser<'_> {
     fn part(&mut self, part: &str, from: usize, input: &mut Input) -> Option<()> {
         let to = from + part.len();
         let world = &self.program.worlds[self.world];
+        if let Some(drawn) = part.strip_prefix(NATURE) {
+            return self.nature(drawn, from + NATURE.len(), input);
+        }
         let (player, name) = match part.split_once(':') {
             Some((number, name)) => {
                 let found = number.parse().ok().and_then(|n: u32| world.players.find(|p| p.number == n));
@@ -259,6 +267,50 @@ impl Parser<'_> {
             Target::Axis(..) => {
                 let why = format!("`{name}` is an axis and needs one value");
                 self.report(from, to, why, Some(format!("write `{name}=-1`, or any value to 1")));
+                return None;
+            }
+        }
+        Some(())
+    }
+
+    /// What nature draws: `hero.roll=3`, or `roll=3` if only one instance has that chance.
+    fn nature(&mut self, part: &str, from: usize, input: &mut Input) -> Option<()> {
+        let (world, to) = (&self.program.worlds[self.world], from + part.len());
+        let Some((name, number)) = part.split_once('=') else {
+            let help = Some(format!("write `{NATURE}{part}=1`"));
+            self.report(from, to.max(from + 1), "what nature draws is a chance and its value".into(), help);
+            return None;
+        };
+        let found = chance::named(self.program, world, name);
+        let full = |slot| format!("{NATURE}{}.{name}={number}", &world.slots[slot].name);
+        let (id, draw) = match found.as_slice() {
+            [only] => *only,
+            [] => {
+                let all = chance::draws(self.program, world);
+                let name_of = |draw: &chance::Draw| {
+                    let slot = &world.slots[draw.slot];
+                    format!("{}.{}", slot.name, self.program.entities[slot.entity].chances[draw.chance].name)
+                };
+                let known: Vec<String> = all.iter().map(name_of).collect();
+                let near =
+                    similar(name, known.iter().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
+                let help = near.or_else(|| known.first().map(|first| format!("there is `{first}`")));
+                let help = help.or_else(|| Some("no instance of this world has a `chance`".into()));
+                self.report(from, from + name.len().max(1), format!("no chance `{name}` in `{}`", world.name), help);
+                return None;
+            }
+            [(_, first), ..] => {
+                let why = format!("{} instances have a chance `{name}`", found.len());
+                self.report(from, from + name.len(), why, Some(format!("write `{}`", full(first.slot))));
+                return None;
+            }
+        };
+        let (low, high) = draw.range;
+        match number.parse::<i32>() {
+            Ok(value) if (low..=high).contains(&value) => input.1.set(id, Some(value)),
+            _ => {
+                let why = format!("`{number}` is nothing that `{name}` can be");
+                self.report(to - number.len(), to.max(from + 1), why, Some(format!("{low} to {high}")));
                 return None;
             }
         }

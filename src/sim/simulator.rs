@@ -11,6 +11,7 @@ use crate::ir::{
 use crate::watch::{Meter, Unwatched};
 
 use super::actor::{Actor, Flow, actors, moves_independently};
+use super::chance::{self, Draw, Frames};
 use super::collision::Collision;
 use super::discrete::{ActingGroup, TakenEdge};
 use super::evaluate::Reader;
@@ -44,6 +45,8 @@ pub struct Simulator {
     pub(super) receivers: Vec<SlotId>,
     /// The buttons stored in a state: only for these, a guard reads presses or releases.
     pub(super) remembered: u64,
+    /// What nature draws in each step, slot by slot.
+    pub(super) draws: Vec<Draw>,
     /// Cost of evaluating all code once, in units of work.
     cost: u64,
 }
@@ -53,8 +56,8 @@ pub struct Simulator {
 pub struct Scratch {
     /// The state at the start of the step, if any edge is taken.
     pub(super) before: Vec<u8>,
-    /// Each player's input with its changes.
-    pub(super) frames: Vec<Frame>,
+    /// What the players do and what nature draws.
+    pub(super) frames: Frames,
     /// The edge that each group of each slot takes in this step.
     pub(super) taken: Vec<Option<TakenEdge>>,
     /// The groups with an action in this step.
@@ -122,6 +125,7 @@ impl Simulator {
                 .filter(|slot| !program.entities[world.slots[*slot].entity].signals.is_empty())
                 .collect(),
             remembered: remembered(program),
+            draws: chance::draws(program, world),
             cost: probed + cost as u64,
             probes,
         }
@@ -158,7 +162,7 @@ impl Simulator {
         &'a self,
         actor: &'a Actor,
         state: &'a [u8],
-        frames: &'a [Frame],
+        frames: &'a Frames,
         taken: &'a [Option<TakenEdge>],
         fault: &'a Cell<Option<Fault>>,
     ) -> Reader<'a> {
@@ -170,7 +174,7 @@ impl Simulator {
     #[inline]
     pub(super) fn world_reader<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
         let code = self.code.as_deref().or(self.program.exprs.in_one_piece()).unwrap_or_default();
-        Reader { sim: self, state, frames: &[], taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
+        Reader { sim: self, state, frames: Frames::NONE, taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
     }
 
     /// Working memory for this world.
@@ -188,7 +192,7 @@ impl Simulator {
             peaks: vec![0; sum(&|e| e.envelopes.len())],
             start: vec![(0.0, 0.0); slots],
             before: vec![0; self.world.layout.size],
-            frames: vec![Frame::default(); self.world.players.len()],
+            frames: Frames::new(self.world.players.len(), self.draws.len()),
             flows: self.actors.iter().flat_map(|a| a.code.steady.iter().copied()).collect(),
             collision: self.collision.scratch(&self.world),
         }
@@ -226,7 +230,7 @@ impl Simulator {
             }
             let fault = Cell::new(None);
             for (group, g) in self.entity(id).groups.pairs() {
-                let reader = self.reader(&self.actors[id.index()], &state, &[], &[], &fault);
+                let reader = self.reader(&self.actors[id.index()], &state, Frames::NONE, &[], &fault);
                 let leaf = reader.entered(reader.chosen(&g.choices, g.first));
                 layout.set_leaf(&mut state, group, leaf);
             }
@@ -234,7 +238,8 @@ impl Simulator {
             layout.set_space(&mut state, slot.space);
             layout.set_life(&mut state, Life::Alive);
         }
-        scratch.frames.fill(Frame::default());
+        scratch.frames.players.fill(Frame::default());
+        self.lay(&Input::default().1, &mut scratch.frames);
         scratch.changes.clear();
         self.note_start(&state, scratch);
         self.collide(&mut state, scratch, false, meter)?;
@@ -263,8 +268,11 @@ impl Simulator {
         let before = scratch.work();
         for (player, &at) in self.world.layout.players.pairs() {
             let now = input.of(player);
-            scratch.frames[player.index()] = Frame::new(now, buttons(state, at));
+            scratch.frames.players[player.index()] = Frame::new(now, buttons(state, at));
             set_buttons(state, at, now.buttons & self.remembered);
+        }
+        if !self.draws.is_empty() {
+            self.lay(&input.1, &mut scratch.frames);
         }
         self.transitions(state, scratch)?;
         self.flow(state, scratch)?;
@@ -296,7 +304,7 @@ impl Simulator {
         for slot in self.world.slots.ids().filter(|&s| self.layout(s).alive(state)) {
             for (index, &invariant) in self.entity(slot).invariants.iter().enumerate() {
                 let fault = Cell::new(None);
-                let holds = self.reader(&self.actors[slot.index()], state, &[], &[], &fault).truth(invariant);
+                let holds = self.reader(&self.actors[slot.index()], state, Frames::NONE, &[], &fault).truth(invariant);
                 Self::check_fault(&fault)?;
                 if !holds {
                     return Ok(Some((slot, index)));

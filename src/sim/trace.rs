@@ -54,6 +54,9 @@ pub struct TraceHeader {
     pub step: String,
     /// The script of the whole input.
     pub inputs: String,
+    /// The seed of what nature drew where the script leaves it open; left out in a world without chances.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chance: Option<u64>,
     /// How many steps were run, with no input after the script's end.
     pub steps: u64,
 }
@@ -90,7 +93,7 @@ pub struct TraceLines<'s> {
 struct Line<'a> {
     /// The step; 0 is the initial state.
     step: u64,
-    /// What is held in this step.
+    /// What is held in this step, and what nature drew of what the step has read.
     inputs: Vec<String>,
     /// The instances that exist, by name.
     #[cfg_attr(feature = "cli", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]

@@ -131,6 +131,8 @@ pub enum Member {
     Buttons(Box<(Vec<Name>, Span)>),
     /// `axis a, b`
     Axes(Box<(Vec<Name>, Span)>),
+    /// `chance name: low..high`
+    Chance(Box<Chance>),
     /// `collider tags: shape when guard`
     Collider(Box<Collider>),
     /// `group name { … }`
@@ -159,6 +161,19 @@ pub enum Member {
     Follow(Box<Follow>),
     /// `use Name(…)`
     Use(Box<Use>),
+}
+
+/// `chance name: low..high`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chance {
+    /// Its name.
+    pub name: Name,
+    /// The least value.
+    pub low: Expr,
+    /// The greatest value.
+    pub high: Expr,
+    /// The whole.
+    pub span: Span,
 }
 
 /// `ref name: Entity`, or `any`.

@@ -14,10 +14,9 @@ use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    ALWAYS, Assignment, Behavior, BinaryOp, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete,
-    Domain, Edge, Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member,
-    Mode, Name, Path, Ramp, RampKind, Rate, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word,
-    World,
+    ALWAYS, Assignment, Behavior, BinaryOp, Chance, Clamp, Collider, Constant, Continuous, Destroy, Dimension,
+    Discrete, Domain, Edge, Entity, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member,
+    Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
@@ -387,6 +386,12 @@ impl<'a> Builder<'a> {
             }
             Rule::buttons => Member::Buttons((self.names(pair), span).into()),
             Rule::axes => Member::Axes((self.names(pair), span).into()),
+            Rule::chance => {
+                let name = self.name(inner.iter().find(|p| p.as_rule() == Rule::name)?);
+                let ends: Vec<_> = inner.into_iter().filter(|p| p.as_rule() == Rule::expression).collect();
+                let [low, high]: [Expr; 2] = self.expressions(&ends)?.try_into().ok()?;
+                Member::Chance(Chance { name, low, high, span }.into())
+            }
             Rule::collider => {
                 let kinematic = inner.first()?.as_rule() == Rule::kw_kinematic;
                 let tags = self.names(inner.iter().find(|p| p.as_rule() == Rule::tags)?);
@@ -572,73 +577,5 @@ impl<'a> Builder<'a> {
         let mut assignment = Assignment::new(variable, self.expression(inner.get(2)?)?, self.span_of(pair));
         assignment.operator = operator;
         Some(assignment)
-    }
-
-    fn envelope(&mut self, pair: &Pair<'_, Rule>) -> Option<Envelope> {
-        let mut out = Envelope {
-            controlled: Vec::new(),
-            by: None,
-            directions: None,
-            ramps: Vec::new(),
-            complete: true,
-            span: self.span_of(pair),
-        };
-        for part in parts(pair) {
-            match part.as_rule() {
-                Rule::controlled => {
-                    out.controlled = parts(&part).iter().map(|v| self.variable(v)).collect::<Option<_>>()?;
-                }
-                Rule::expression => out.by = Some(self.expression(&part)?),
-                Rule::directions => out.directions = parts(&part).first().map(|d| self.name(d)),
-                Rule::ramps => {
-                    for ramp in parts(&part) {
-                        match ramp.as_rule() {
-                            Rule::bad_ramp => {
-                                out.complete = false;
-                                self.bad(Rule::only_ramp, &ramp);
-                            }
-                            _ => out.ramps.extend(self.ramp(&ramp)),
-                        }
-                    }
-                }
-                _ => {}
-            }
-        }
-        Some(out)
-    }
-
-    fn ramp(&mut self, pair: &Pair<'_, Rule>) -> Option<Ramp> {
-        let inner = parts(pair);
-        let first = inner.first()?;
-        let kind = match pair.as_rule() {
-            Rule::attack => RampKind::Attack(self.rate(first)?, self.level(inner.get(1))),
-            Rule::decay => RampKind::Decay(self.rate(first)?),
-            Rule::sustain if first.as_rule() == Rule::sustain_for => {
-                RampKind::SustainFor(self.expression(parts(first).first()?)?)
-            }
-            Rule::sustain => RampKind::Sustain(self.expression(first)?),
-            Rule::release => match first.as_rule() {
-                Rule::hold => RampKind::ReleaseHold,
-                Rule::level => RampKind::Release(None, self.level(Some(first))),
-                _ => RampKind::Release(Some(self.rate(first)?), self.level(inner.get(1))),
-            },
-            Rule::driven_while => RampKind::While(self.expression(first)?),
-            _ => return None,
-        };
-        Some(Ramp { kind, span: self.span_of(pair) })
-    }
-
-    fn rate(&mut self, pair: &Pair<'_, Rule>) -> Option<Rate> {
-        let rate = parts(pair).into_iter().next()?;
-        let value = parts(&rate);
-        Some(match rate.as_rule() {
-            Rule::accel => Rate::Accel(self.expression(value.first()?)?),
-            Rule::over => Rate::Over(self.expression(value.first()?)?),
-            _ => Rate::Instant,
-        })
-    }
-
-    fn level(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<Expr> {
-        self.expression(parts(pair?).first()?)
     }
 }

@@ -299,6 +299,7 @@ fn note_members(members: &[Member], occurrences: &mut Occurrences) {
             Member::Reference(r) => occurrences.declare(NameKind::Reference, r.name.span),
             Member::Buttons(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Button, n.span)),
             Member::Axes(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Axis, n.span)),
+            Member::Chance(c) => occurrences.declare(NameKind::Chance, c.name.span),
             Member::Condition(c) => occurrences.declare(NameKind::Condition, c.name.span),
             Member::Signal(s) => occurrences.declare(NameKind::Signal, s.name.span),
             Member::Group(group) => {

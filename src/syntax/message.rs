@@ -288,6 +288,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::goal
             | R::condition
             | R::signal
+            | R::chance
             | R::never
             | R::map
             | R::place

@@ -7,6 +7,7 @@ pub mod ast;
 mod ast_path;
 mod ast_world;
 mod build;
+mod build_envelope;
 mod build_world;
 mod expand;
 mod expression;

@@ -42,6 +42,8 @@ pub enum NameKind {
     Button,
     /// `axis`
     Axis,
+    /// `chance`
+    Chance,
     /// A tag of colliders and tiles; declared wherever something carries it.
     Tag,
     /// `space`

@@ -128,6 +128,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_condition
             | R::word_signal
             | R::word_send
+            | R::word_chance
             | R::word_never
             | R::word_map
             | R::word_place
@@ -165,6 +166,7 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "map",
         "condition",
         "signal",
+        "chance",
     ];
     const OTHER: &[&str] =
         &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];

@@ -88,6 +88,12 @@ impl Substitution {
                 names.iter_mut().for_each(|n| self.name(n));
                 self.span(span);
             }
+            Member::Chance(c) => {
+                self.name(&mut c.name);
+                self.whole(&mut c.low);
+                self.whole(&mut c.high);
+                self.span(&mut c.span);
+            }
             Member::Collider(c) => {
                 c.tags.iter_mut().for_each(|t| self.name(t));
                 self.name(&mut c.shape);

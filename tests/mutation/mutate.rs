@@ -112,6 +112,7 @@ const WORDS: &[&str] = &[
     "ref",
     "button",
     "axis",
+    "chance",
     "collider",
     "kinematic",
     "rect",

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Term, TermKind, Type};
 
 use super::evaluate::touching;
-use super::model::{Fault, Keys, Oracle, State};
+use super::model::{Fault, Keys, Moves, Oracle, State};
 
 /// A contact query: tag of the entity's own collider, tag of the other, side, and whether the other is named.
 type Question = (Option<TagId>, TagId, Option<Side>, bool);
@@ -24,7 +24,7 @@ struct Reads {
 /// The result of the search.
 pub struct Explored {
     /// For each goal, and then for each `never`, the shortest path to it.
-    pub ways: Vec<Option<Vec<Vec<Keys>>>>,
+    pub ways: Vec<Option<Vec<Moves>>>,
     /// Whether these are all states.
     pub is_closed: bool,
     /// All states up to this number of steps are included.
@@ -84,7 +84,7 @@ pub fn explore(oracle: &Oracle<'_>, most: usize) -> Explored {
 struct Search<'a> {
     oracle: &'a Oracle<'a>,
     reads: Vec<Reads>,
-    inputs: Vec<Vec<Keys>>,
+    inputs: Vec<Moves>,
     nodes: Vec<Node>,
     known: HashSet<Vec<u64>>,
     explored: Explored,
@@ -127,7 +127,7 @@ impl Search<'_> {
     }
 
     /// The inputs that lead to a node, and one more; none where there was no step.
-    fn way(&self, parent: usize, input: usize, depth: usize) -> Vec<Vec<Keys>> {
+    fn way(&self, parent: usize, input: usize, depth: usize) -> Vec<Moves> {
         if depth == 0 {
             return Vec::new();
         }
@@ -138,8 +138,8 @@ impl Search<'_> {
     }
 }
 
-/// All inputs of a step: every button up or down, every axis at -1, 0 or 1.
-fn inputs(oracle: &Oracle<'_>) -> Vec<Vec<Keys>> {
+/// All inputs of a step: every button up or down, every axis at -1, 0 or 1, everything that nature can draw.
+fn inputs(oracle: &Oracle<'_>) -> Vec<Moves> {
     let mut all: Vec<Vec<Keys>> = vec![Vec::new()];
     for player in oracle.world.players.iter() {
         let entity = oracle.entity(player.slot.index());
@@ -165,7 +165,20 @@ fn inputs(oracle: &Oracle<'_>) -> Vec<Vec<Keys>> {
             .flat_map(|before| ways.iter().map(move |keys| [before.clone(), vec![keys.clone()]].concat()))
             .collect();
     }
-    all
+    let mut moves: Vec<Moves> = all.into_iter().map(|keys| Moves { keys, drawn: Vec::new() }).collect();
+    for slot in 0..oracle.world.instances.len() {
+        moves.iter_mut().for_each(|moves| moves.drawn.push(Vec::new()));
+        for chance in oracle.entity(slot).chances.iter() {
+            let drawn = |moves: &Moves, value: i32| {
+                let mut moves = moves.clone();
+                moves.drawn[slot].push(value);
+                moves
+            };
+            let values = || chance.range.0..=chance.range.1;
+            moves = moves.iter().flat_map(|before| values().map(|value| drawn(before, value))).collect();
+        }
+    }
+    moves
 }
 
 /// The key of a state.

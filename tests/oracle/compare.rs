@@ -3,17 +3,21 @@
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::sema::checked::Checked;
 use hypedc::sim::state::real;
-use hypedc::sim::{FaultKind, Input, PlayerInput, Simulator};
+use hypedc::sim::{DrawId, FaultKind, Input, PlayerInput, Simulator};
 use rand::{Rng, RngExt};
 use std::sync::Arc;
 
 use super::evaluate::touching;
-use super::model::{Fault, Keys, Oracle, State};
+use super::model::{Fault, Keys, Moves, Oracle, State};
 
-/// Converts the input of a player for the simulator.
-pub fn input(keys: &[Keys]) -> Input {
+/// Converts the input of a step for the simulator.
+pub fn input(moves: &Moves) -> Input {
     let one = |keys: &Keys| PlayerInput { buttons: keys.held.iter().map(|b| 1u64 << b).sum(), axes: keys.axes };
-    Input(keys.iter().map(one).collect())
+    let mut input = Input::of_players(moves.keys.iter().map(one).collect());
+    for (draw, value) in (0..).map(DrawId).zip(moves.drawn.iter().flatten()) {
+        input.1.set(draw, Some(*value));
+    }
+    input
 }
 
 fn kind(fault: FaultKind) -> Fault {
@@ -27,9 +31,10 @@ fn kind(fault: FaultKind) -> Fault {
 }
 
 /// A compact text of inputs.
-fn written(keys: &[Keys]) -> String {
+fn written(moves: &Moves) -> String {
     let one = |keys: &Keys| format!("{:?}{:?}", keys.held, &keys.axes[..2]);
-    keys.iter().map(one).collect::<Vec<_>>().join(" ").replace(' ', "")
+    let drawn = moves.drawn.iter().flatten().map(|value| format!("?{value}"));
+    moves.keys.iter().map(one).chain(drawn).collect::<Vec<_>>().join(" ").replace(' ', "")
 }
 
 /// A run of both.
@@ -59,7 +64,7 @@ pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usi
             return run;
         }
     };
-    let mut keys: Vec<Keys> = oracle.world.players.iter().map(|_| Keys::default()).collect();
+    let mut moves = Moves { keys: oracle.world.players.iter().map(|_| Keys::default()).collect(), drawn: Vec::new() };
     let mut before: Vec<String> = Vec::new();
     loop {
         let mut all = differences(&sim, &theirs, &ours);
@@ -72,7 +77,7 @@ pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usi
         if run.steps == steps {
             return run;
         }
-        for (player, keys) in keys.iter_mut().enumerate() {
+        for (player, keys) in moves.keys.iter_mut().enumerate() {
             if rng.random_range(0..4) > 0 && run.steps > 0 {
                 continue;
             }
@@ -82,10 +87,12 @@ pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usi
                 *axis = [-1.0, 0.0, 1.0, 0.3, -0.75][rng.random_range(0..5)];
             }
         }
-        run.script.push(written(&keys));
+        let slots = 0..oracle.world.instances.len();
+        moves.drawn = slots.map(|slot| draws(&oracle, slot, |low, high| rng.random_range(low..=high))).collect();
+        run.script.push(written(&moves));
         let last: Vec<String> = ours.things.iter().flatten().map(|thing| format!("{thing:?}")).collect();
         run.steps += 1;
-        match (sim.step(&mut theirs, &input(&keys), &mut scratch), oracle.step(&ours, &keys)) {
+        match (sim.step(&mut theirs, &input(&moves), &mut scratch), oracle.step(&ours, &moves)) {
             (Ok(()), Ok((next, _))) => {
                 ours = next;
                 before = last;
@@ -98,6 +105,11 @@ pub fn run(program: &Arc<Program>, checked: &Checked, world: WorldId, steps: usi
             }
         }
     }
+}
+
+/// What is drawn for the chances of a slot.
+fn draws(oracle: &Oracle<'_>, slot: usize, mut draw: impl FnMut(i32, i32) -> i32) -> Vec<i32> {
+    oracle.entity(slot).chances.iter().map(|chance| draw(chance.range.0, chance.range.1)).collect()
 }
 
 /// The differences between two states.

@@ -84,6 +84,7 @@ impl<'a> Code<'a> {
             TermKind::Var(of, id, degree) => self.of(*of)?.vars[id.0 as usize][usize::from(*degree)],
             TermKind::Discrete(of, id) => f64::from(self.of(*of)?.discretes[id.0 as usize]),
             TermKind::Axis(id) => self.keys.map_or(0.0, |(keys, _)| keys.axes[id.0 as usize]),
+            TermKind::Chance(id) => f64::from(self.state.drawn[self.me.unwrap()][id.0 as usize]),
             TermKind::Timer(mode) => {
                 let count = self.my().and_then(|me| me.timers.get(mode)).copied().unwrap_or(0);
                 self.oracle.seconds(f64::from(count))

@@ -39,6 +39,8 @@ struct Generator<'c> {
     has_button: bool,
     has_axis: bool,
     has_signals: bool,
+    /// Which entities have a chance.
+    lucky: [bool; 3],
     /// The current group.
     group: usize,
     in_mode: bool,
@@ -57,6 +59,7 @@ pub fn program(choices: &[u16]) -> String {
         has_button: true,
         has_axis: false,
         has_signals: false,
+        lucky: [false; 3],
         group: 0,
         in_mode: false,
     };
@@ -70,6 +73,8 @@ pub fn program(choices: &[u16]) -> String {
         g.role = role;
         g.names();
     }
+    // Of many instances, nature could draw too much to try it all.
+    g.lucky[Role::Hero as usize] = g.draw.chance(30);
     g.world();
     let world = std::mem::take(&mut g.out);
     let roles = [(Role::Hero, true), (Role::Foe, g.has_foe), (Role::Shot, g.has_shot)];
@@ -151,6 +156,10 @@ impl Generator<'_> {
         }
         if role == Role::Hero && self.has_axis {
             self.line("    axis h");
+        }
+        if self.lucky[role as usize] {
+            let range = if role == Role::Hero { self.draw.one(&["1..2", "0..2"]) } else { "1..2" };
+            self.line(format!("    chance r: {range}"));
         }
         let speed = self.speed();
         self.line(format!("    param s: px/s = {speed}"));
@@ -243,6 +252,9 @@ impl Generator<'_> {
 
     fn flow(&mut self, var: &str) -> String {
         let played = self.role == Role::Hero;
+        if self.lucky[self.role as usize] && self.draw.chance(20) {
+            return format!("{var}' = {}", self.draw.one(&["if(r > 1, s, -s)", "s * r", "s * (r - 1)"]));
+        }
         match self.draw.pick(12) {
             1 if played && self.has_axis => format!("{var}' = s * h"),
             2 if played && self.has_button => format!("{var}' = if(held(go), s, 0)"),
@@ -374,6 +386,9 @@ impl Generator<'_> {
         if self.has_signals && self.draw.chance(25) {
             return self.send();
         }
+        if self.lucky[self.role as usize] && self.draw.chance(25) {
+            return self.draw.one(&["n := min(r, 1)", "x := l * r", "f := r == 2", "n := max(r - 1, 0)"]).into();
+        }
         match self.draw.pick(14) {
             0 => "n := min(n + 1, 1)".into(),
             1 => format!("x := {}", self.length()),
@@ -412,6 +427,9 @@ impl Generator<'_> {
             };
         }
         let played = self.role == Role::Hero;
+        if self.lucky[self.role as usize] && self.draw.chance(25) {
+            return self.draw.one(&["r == 2", "r > n", "r < 2", "r != 1"]).into();
+        }
         match self.draw.pick(20) {
             18 | 19 => self.probe(),
             0 if played && self.has_button => "pressed(go)".into(),
@@ -472,6 +490,7 @@ impl Generator<'_> {
         self.line("        'c': cloud");
         self.line("        'o': coin");
         let tile_foe = self.has_foe && self.draw.chance(25);
+        self.lucky[Role::Foe as usize] = self.has_foe && !tile_foe && self.draw.chance(25);
         if tile_foe {
             self.line("        'F': spawn Foe");
         }

@@ -26,6 +26,13 @@ pub struct Keys {
     pub axes: [f64; 4],
 }
 
+/// The inputs of a step: of each player, and what nature draws for the chances of each slot.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Moves {
+    pub keys: Vec<Keys>,
+    pub drawn: Vec<Vec<i32>>,
+}
+
 /// A contact of one of an instance's colliders.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Contact {
@@ -79,6 +86,8 @@ pub struct State {
     pub things: Vec<Option<Thing>>,
     /// Of each player the buttons that were down in the last step.
     pub held: Vec<BTreeSet<u32>>,
+    /// What nature has drawn, during a step.
+    pub drawn: Vec<Vec<i32>>,
 }
 
 /// A world that is interpreted.

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use hypedc::sema::checked::{Action, Given, Link, Spawn, Term, Update};
 
 use super::evaluate::Code;
-use super::model::{Fault, Keys, Oracle, State, Thing};
+use super::model::{Fault, Keys, Moves, Oracle, State, Thing};
 
 /// The input of a player, and the buttons that were down before.
 pub type Frame = (Keys, BTreeSet<u32>);
@@ -71,7 +71,7 @@ impl<'p> Oracle<'p> {
                 carrier: None,
             })
         });
-        let mut state = State { things: things.collect(), held };
+        let mut state = State { things: things.collect(), held, drawn: Vec::new() };
         for slot in 0..state.things.len() {
             if state.things[slot].is_some() {
                 self.begin(&mut state, slot)?;
@@ -130,12 +130,13 @@ impl<'p> Oracle<'p> {
     }
 
     /// One step.
-    pub fn step(&self, before: &State, inputs: &[Keys]) -> Result<(State, Passing), Fault> {
-        let frames: Vec<Frame> = inputs.iter().cloned().zip(before.held.iter().cloned()).collect();
+    pub fn step(&self, before: &State, moves: &Moves) -> Result<(State, Passing), Fault> {
+        let frames: Vec<Frame> = moves.keys.iter().cloned().zip(before.held.iter().cloned()).collect();
+        let before = State { drawn: moves.drawn.clone(), ..before.clone() };
         let mut state = before.clone();
-        state.held = inputs.iter().map(|keys| keys.held.clone()).collect();
+        state.held = moves.keys.iter().map(|keys| keys.held.clone()).collect();
         let mut passing = Passing::default();
-        self.edges(before, &mut state, &frames, &mut passing)?;
+        self.edges(&before, &mut state, &frames, &mut passing)?;
         let start = state.clone();
         self.flows(&start, &mut state, &frames, &passing)?;
         self.collide(&start, &mut state, &passing)?;
@@ -148,6 +149,7 @@ impl<'p> Oracle<'p> {
             }
             thing.carrier = thing.carrier.filter(|slot| !passing.dying.contains(slot));
         }
+        state.drawn.clear();
         Ok((state, passing))
     }
 

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::brute::{Explored, explore};
 use super::compare::input;
-use super::model::{Keys, Oracle};
+use super::model::{Moves, Oracle};
 
 /// A source of verdicts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,9 +44,9 @@ pub struct Tally {
 }
 
 /// A path as `hypedc sim --inputs` reads it.
-pub fn written(program: &Program, world: WorldId, way: &[Vec<Keys>]) -> String {
+pub fn written(program: &Program, world: WorldId, way: &[Moves]) -> String {
     let mut script = Script::default();
-    way.iter().for_each(|keys| script.push(&input(keys), 1));
+    way.iter().for_each(|moves| script.push(&input(moves), 1));
     script.text(program, world)
 }
 

@@ -33,7 +33,7 @@ pub fn consecution(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], tries:
     let mut scratch = sim.scratch();
     let standing = StateStatus { is_inside: true, is_allowed: false };
     let is_possible = |state: &[u8]| sim.left_bounds(state).is_none() && claims.refuted(sim, state, standing).is_none();
-    let mut inputs = Inputs::new(seed, sim.world().players.len());
+    let mut inputs = Inputs::new(seed, sim);
     for _ in 0..tries {
         let mut state = drawn(sim, claims, samples, &mut rng);
         out.states += 1;

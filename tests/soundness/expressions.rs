@@ -44,19 +44,22 @@ impl Generator<'_> {
         }
         match dim {
             Dim::Length if timed => self.draw.one(&["speed * timer", "speed * timer / 2"]).into(),
-            Dim::Length if self.draw.chance(15) => "size * count".into(),
+            Dim::Length if self.draw.chance(15) => self.maybe_drawn("size * count"),
             Dim::Length if self.draw.chance(6) => self.draw.one(&["tile", "wide", "width"]).into(),
             Dim::Length if self.palette.charges => own(self, &["x", "y", "q", "q"]),
             Dim::Length => own(self, &["x", "y"]),
             Dim::Speed if timed => "force * timer".into(),
-            Dim::Speed if self.draw.chance(15) => "speed * count".into(),
+            Dim::Speed if self.draw.chance(15) => self.maybe_drawn("speed * count"),
             Dim::Speed => own(self, &["x'", "y'", "q'"]),
             Dim::Force if self.draw.chance(10) => "pull".into(),
             Dim::Force => own(self, &["force * n", "x''", "y''", "q''"]),
             Dim::Time if timed => "timer".into(),
             Dim::Time => "delay".into(),
-            Dim::Pure if self.palette.charges => self.draw.one(&["count", "heat", "count"]).into(),
-            Dim::Pure => "count".into(),
+            Dim::Pure if self.palette.charges => {
+                let of = self.draw.one(&["count", "heat", "count"]);
+                self.maybe_drawn(of)
+            }
+            Dim::Pure => self.maybe_drawn("count"),
         }
     }
 
@@ -207,6 +210,15 @@ impl Generator<'_> {
         self.asked.is_multiple_of(3).then(|| format!("touching({mine} at ({x}, {y}), {other})"))
     }
 
+    /// A text about the count of the entity, or about what nature draws instead. Every fourth text where inputs may be read
+    /// is, so that all other choices are the same as without.
+    pub fn maybe_drawn(&mut self, text: impl Into<String>) -> String {
+        let text = text.into();
+        self.counts += usize::from(self.may == May::All);
+        let is_drawn = self.may == May::All && self.counts.is_multiple_of(4);
+        if is_drawn { text.replace("count", "roll") } else { text }
+    }
+
     /// A guard.
     pub fn guard(&mut self) -> String {
         self.depth += 1;
@@ -294,7 +306,10 @@ impl Generator<'_> {
                 format!("in {mode}")
             }
             14 if asks => self.about_other(),
-            11 | 0 | 1 => format!("count {op} {}", self.draw.pick(4)),
+            11 | 0 | 1 => {
+                let compared = format!("count {op} {}", self.draw.pick(4));
+                self.maybe_drawn(compared)
+            }
             15 => format!("{} < q <= {}", self.number(Dim::Length), self.number(Dim::Length)),
             16 => format!("heat {op} {}", self.value(Dim::Pure)),
             _ => self.draw.one(&["not flag", "flag", "count < 3", "true"]).into(),

@@ -4,8 +4,8 @@ use hypedc::ir::{
     Arithmetic, By, CompareOp, EdgeId, Entity, Expr, ExprId, Function, Id, LeafId, MAX_AXES, ModeId, Press, Program,
     SlotId, Subject, World, arithmetic, call, compare,
 };
-use hypedc::sim::Input;
 use hypedc::sim::state::{buttons, real};
+use hypedc::sim::{DrawId, Input};
 
 use super::look::Place;
 
@@ -101,6 +101,18 @@ impl<'a> Eye<'a> {
                     _ => "axis at a fraction",
                 });
                 Some(value)
+            }
+            Expr::Chance(chance) => {
+                let before = self.world.slots.ids().take_while(|slot| *slot != self.me);
+                let before: usize = before.map(|slot| self.entity(slot).chances.len()).sum();
+                let (low, high) = self.entity(self.me).chances[chance].range;
+                let value = self.input.1.get(DrawId((before + chance.index()) as u32)).unwrap_or(low);
+                self.notes.note(match value {
+                    _ if value == low => "the least that is drawn",
+                    _ if value == high => "the greatest that is drawn",
+                    _ => "what is drawn between",
+                });
+                Some(f64::from(value))
             }
             Expr::Timer(timer) => {
                 let count = slots[self.me].timer(self.state, timer);

@@ -64,6 +64,8 @@ pub struct Generator<'c> {
     pub nameable: usize,
     /// Number of contact queries so far, some of which become probes.
     pub asked: usize,
+    /// Number of counts that could be drawn instead.
+    pub counts: usize,
 }
 
 /// What a program may use: each world does without most of it, so that what it does use shows, and much can be proven
@@ -202,6 +204,7 @@ pub fn program(choices: &[u16], frame: Frame) -> String {
         depth: 0,
         nameable: 0,
         asked: 0,
+        counts: 0,
     };
     let world = match situation {
         Some(situation) => g.stage(situation),
@@ -299,7 +302,7 @@ impl Generator<'_> {
                 out.push_str(item);
             }
         }
-        let members: [(&str, &str); 20] = [
+        let members: [(&str, &str); 21] = [
             ("turn", "param turn: px/s = 0\n"),
             ("size", "param size: px = 16\n"),
             ("speed", "param speed: px/s = 60\n"),
@@ -320,12 +323,13 @@ impl Generator<'_> {
             ("kick", "signal kick(way: px/s)\n"),
             ("jump", "button jump, run\n"),
             ("horizontal", "axis horizontal, vertical\n"),
+            ("roll", "chance roll: 1..3\n"),
         ];
         for (plan, body) in self.plans.iter().zip(entities) {
             out.push_str(&format!("entity {} {{\n", plan.name));
             for (word, member) in members {
                 // Parameters that others read, or that a spawn or a place sets.
-                let also = !matches!(word, "jump" | "horizontal") && uses(&all, word);
+                let also = !matches!(word, "jump" | "horizontal" | "roll") && uses(&all, word);
                 let run = word == "jump" && uses(body, "run") || word == "horizontal" && uses(body, "vertical");
                 if uses(body, word) || also || run {
                     out.push_str(member);

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use hypedc::ir::Entity;
-use hypedc::sim::{Input, PlayerInput, Script, Simulator};
+use hypedc::sim::{Draw, DrawId, Input, PlayerInput, Script, Simulator};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -33,13 +33,17 @@ pub struct Inputs {
     left: u32,
     longest: u32,
     pub now: Input,
+    /// What nature draws in each step, and the seed that it is drawn from.
+    draws: Vec<Draw>,
+    luck: Pcg64,
 }
 
 impl Inputs {
-    pub fn new(seed: u64, players: usize) -> Self {
+    pub fn new(seed: u64, sim: &Simulator) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
         let longest = [2, 8, 40][rng.random_range(0..3)];
-        Inputs { rng, left: 0, longest, now: Input::nothing(players) }
+        let (now, luck) = (Input::nothing(sim.world().players.len()), Pcg64::seed_from_u64(!seed));
+        Inputs { rng, left: 0, longest, now, draws: sim.draws().to_vec(), luck }
     }
 
     /// The input of the next step.
@@ -58,12 +62,18 @@ impl Inputs {
             }
         }
         self.left -= 1;
+        for (id, draw) in (0..).map(DrawId).zip(&self.draws) {
+            self.now.1.set(id, Some(self.luck.random_range(draw.range.0..=draw.range.1)));
+        }
         &self.now
     }
 }
 
-/// Whether anything reads a player's inputs; otherwise, all runs are equal.
+/// Whether anything reads a player's inputs, or what nature draws; otherwise, all runs are equal.
 pub fn has_inputs(sim: &Simulator) -> bool {
+    if !sim.draws().is_empty() {
+        return true;
+    }
     let entities = sim.world().players.iter().map(|p| &sim.program().entities[sim.world().slots[p.slot].entity]);
     entities.into_iter().any(|e| !e.buttons.is_empty() || !e.axes.is_empty())
 }
@@ -77,7 +87,7 @@ const BEYOND: u32 = 60;
 pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut Runs) {
     let mut scratch = sim.scratch();
     let Ok(mut state) = sim.initial(&mut scratch) else { return };
-    let mut inputs = Inputs::new(seed, sim.world().players.len());
+    let mut inputs = Inputs::new(seed, sim);
     let mut standing = StateStatus { is_inside: true, is_allowed: true };
     let mut script = Script::default();
     let mut beyond = 0;
@@ -112,7 +122,8 @@ pub fn run(sim: &Simulator, claims: &Claims, steps: usize, seed: u64, runs: &mut
 /// Maximum number of combined inputs that are enumerated.
 const MAX_INPUTS: usize = 36;
 
-/// All inputs that the players of a world can give, axes at their ends or in the middle; none if there are too many.
+/// All inputs that the players of a world can give, axes at their ends or in the middle, with all that nature can draw;
+/// none if there are too many.
 fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
     let mut all = vec![Input::default()];
     for player in sim.world().players.iter() {
@@ -134,6 +145,18 @@ fn all_inputs(sim: &Simulator) -> Option<Vec<Input>> {
             }
         }
         all = next;
+        if all.len() > MAX_INPUTS {
+            return None;
+        }
+    }
+    for (id, draw) in (0..).map(DrawId).zip(sim.draws()) {
+        let with = |input: &Input, value: i32| {
+            let mut input = input.clone();
+            input.1.set(id, Some(value));
+            input
+        };
+        let values = || draw.range.0..=draw.range.1;
+        all = all.iter().flat_map(|input| values().map(|value| with(input, value))).collect();
         if all.len() > MAX_INPUTS {
             return None;
         }

@@ -55,7 +55,7 @@ impl Generator<'_> {
                 match self.draw.pick(4) {
                     0 => "count += 1".to_string(),
                     1 => format!("count -= {}", self.draw.one(&["1", "2", "-1"])),
-                    _ => format!("count := {value}"),
+                    _ => format!("count := {}", self.maybe_drawn(value)),
                 }
             }
             "x'" | "y'" | "q'" => {

@@ -16,6 +16,7 @@
 (reference name: (identifier) @variable.member entity: (identifier) @type)
 (buttons name: (identifier) @variable.member)
 (axes name: (identifier) @variable.member)
+(chance name: (identifier) @variable.member)
 (group name: (identifier) @module)
 (mode name: (identifier) @label)
 (set_domain (identifier) @constant)
@@ -81,7 +82,7 @@
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
   "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
-  "condition" "signal" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "int"
+  "condition" "chance" "signal" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "int"
 ] @keyword
 (bool_domain) @keyword
 [

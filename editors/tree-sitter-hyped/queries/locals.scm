@@ -13,6 +13,7 @@
 (signal name: (identifier) @local.definition.var)
 (buttons name: (identifier) @local.definition.var)
 (axes name: (identifier) @local.definition.var)
+(chance name: (identifier) @local.definition.var)
 (binding name: (identifier) @local.definition.var)
 (place name: (identifier) @local.definition.var)
 (tile_spawn name: (identifier) @local.definition.var)

@@ -66,6 +66,7 @@ syn match hypedModifier /\<always\>\ze\s*\%({\|\/\/\|$\)/ contained
 syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=condition\>\ze\s\+\K\k*\s*==\@!/ contained nextgroup=hypedLabel skipwhite
 syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=signal\>\ze\s\+\K/ contained nextgroup=hypedIdentifier skipwhite
 syn match hypedStatement /\%(\%(^\|[{;}]\)\s*\)\@<=send\>\ze\s\+\%(all\s\+\)\?\K\k*\./
+syn match hypedDeclaration /\%(\%(^\|[{;}]\)\s*\)\@<=chance\>\ze\s\+\K\k*\s*:=\@!/ contained nextgroup=hypedIdentifier skipwhite
 syn match hypedFollow /\<follow\s\+links\>\%(\s*\%('\|:\?=\)\)\@!/ contained
 
 " The driven variable precedes `by`; it can have any name.

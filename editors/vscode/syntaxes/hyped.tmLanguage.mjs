@@ -102,6 +102,7 @@ const repository = {
       groups(r`\b(mode)\s+(${NAME})`, 'storage.type', 'entity.name.label'),
       groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),
       groups(r`${START}(signal)\s+(${FREE})\b(?:\s*(\()\s*(${NAME})(?:\s*(:)\s*(${DIMENSION}))?)?`, 'storage.type', 'variable.other.member', 'punctuation.section.parens', 'variable.other.member', 'punctuation.separator', 'support.type.dimension'),
+      groups(r`${START}(chance)\s+(${NAME})\s*(:)(?!=)`, 'storage.type', 'variable.other.member', 'punctuation.separator'),
       groups(r`\b(initial)(?=\s+(?:mode|when)\b)`, 'storage.modifier'),
       groups(r`\b(always)(?=\s*(?:\{|//|$))`, 'storage.type'),
       groups(r`\b(param|continuous|discrete|ref|group|mode|kinematic)\b`, 'storage.type'),

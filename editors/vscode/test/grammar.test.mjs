@@ -111,6 +111,13 @@ test('words that mean something elsewhere are names', () => {
   ]);
 });
 
+test('chances have names', () => {
+  looks('entity A {\n    chance chance: 1..6\n    x := chance\n    chance := 3\n}\n', [
+    ['chance', 'storage.type'], ['chance', 'variable.other.member'], [':', 'punctuation.separator'],
+    ['x', 'variable.other'], ['chance', 'variable.other'], ['chance', 'variable.other'],
+  ]);
+});
+
 test('conditions have names', () => {
   looks('entity A {\n    condition condition = condition_ > 3\n    condition = 3\n    mode m { condition warm = x == 2 }\n}\nworld W {\n    condition up = a.x > 3\n    goal g: up\n}', [
     ['condition', 'storage.type'], ['condition', 'entity.name.label'], ['=', 'keyword.operator.assignment'],

@@ -55,7 +55,7 @@ impl Reads {
             Expr::Timer(timer) => {
                 self.timers.insert(timer);
             }
-            Expr::Axis(_) | Expr::Button(..) => self.inputs = true,
+            Expr::Axis(_) | Expr::Button(..) | Expr::Chance(_) => self.inputs = true,
             Expr::InMode(Me, _) => self.modes = true,
             Expr::Negate(_)
             | Expr::Not(_)

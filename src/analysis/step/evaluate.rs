@@ -265,6 +265,14 @@ impl<'a> Reader<'a> {
             },
             Expr::Axis(_) if self.has_player() => Values::from(Interval { low: -1.0, high: 1.0 }),
             Expr::Axis(_) => Values::point(0.0),
+            Expr::Chance(chance) => match self.me {
+                // Each step draws anew, so nothing is known of it but its range.
+                Some((me, _)) => {
+                    let (low, high) = self.program.entities[self.world.slots[me].entity].chances[chance].range;
+                    Values::from(Interval { low: f64::from(low), high: f64::from(high) })
+                }
+                None => Values::all(),
+            },
             Expr::Timer(timer) => match self.me {
                 Some((_, c)) => {
                     let step = self.world.step;

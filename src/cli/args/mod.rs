@@ -199,7 +199,7 @@ pub(in crate::cli) struct IrArgs {
 #[command(
     after_help = "A script is steps separated by blanks: `right*40 right+jump*12 -*10` holds right for 40 steps, \
 right and jump for 12, nothing for 10. `steer=-1` sets an axis; `left right down up` are the ends of `horizontal` and \
-`vertical`; `2:jump` is player 2's."
+`vertical`; `2:jump` is player 2's; `nature:hero.roll=3` is what the chance `roll` of `hero` draws."
 )]
 pub(in crate::cli) struct SimArgs {
     /// The program; with `--replay`, a program to use instead of the one in the trace.
@@ -219,6 +219,9 @@ pub(in crate::cli) struct SimArgs {
     /// The number of steps to run; a longer script is cut, after a shorter one there is no input.
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,
+    /// The seed of what nature draws where the script leaves it open: `seed=7` [default: seed=0].
+    #[arg(long, value_name = "seed=N", value_parser = chance_seed)]
+    pub chance: Option<u64>,
     /// Writes every state to a file; `-` for standard output.
     #[arg(long, value_name = "PATH")]
     pub trace: Option<PathBuf>,
@@ -235,7 +238,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "trace", "expect", "expect_not"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "expect", "expect_not"]
     )]
     pub replay: Option<PathBuf>,
 }
@@ -291,6 +294,10 @@ pub(in crate::cli) struct ReachArgs {
     /// together; when the time is over, it can change at any step.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub min_hold: Option<Time>,
+    /// What nature draws, as `hypedc sim` draws it: `seed=7` [default: the search is free to choose it, and the answer says
+    /// how much luck that takes].
+    #[arg(long, value_name = "seed=N", value_parser = chance_seed, help_heading = "The question")]
+    pub chance: Option<u64>,
     /// The planner that searches.
     #[arg(long, value_name = "NAME", default_value = "auto", value_parser = planner(), help_heading = "The search")]
     pub planner: String,
@@ -368,6 +375,11 @@ pub(in crate::cli) enum MetricName {
     Full,
     /// The players' positions.
     Xy,
+}
+
+fn chance_seed(text: &str) -> Result<u64, String> {
+    let seed = text.strip_prefix("seed=").and_then(|seed| seed.parse().ok());
+    seed.ok_or_else(|| "a seed is written `seed=7`".to_string())
 }
 
 fn restart(text: &str) -> Result<Restart, String> {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::reach::query::{Answer, Found, Session};
 use crate::reach::{Verdict, Visited};
-use crate::sim::{Script, Simulator};
+use crate::sim::{PlayerInput, Script, Simulator};
 use crate::view::{Node, Search, Stop, search_svg};
 use crate::watch::{Meter, Watch};
 
@@ -93,7 +93,7 @@ fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Wa
     let nodes: Vec<Node> = found.outcome.record.iter().map(node).collect();
     let sim = session.simulator();
     let path = match &found.outcome.verdict {
-        Verdict::Reached(plan) => stops(sim, &plan.script, watch),
+        Verdict::Reached(plan) => stops(sim, (&plan.script, session.query().chance), watch),
         Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => Vec::new(),
     };
     let (goal, notes) = (answer.goal.as_str(), notes(answer));
@@ -102,7 +102,7 @@ fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Wa
 }
 
 /// The positions of the first player before a script and after each of its steps, until the watch stops.
-fn stops(sim: &Simulator, script: &Script, watch: &dyn Watch) -> Vec<Stop> {
+fn stops(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &dyn Watch) -> Vec<Stop> {
     let Some(player) = sim.world().players.iter().next().map(|p| p.slot) else { return Vec::new() };
     let (mut scratch, meter) = (sim.scratch(), Meter::new(watch));
     let Ok(mut state) = sim.metered_initial(&mut scratch, &meter) else { return Vec::new() };
@@ -111,13 +111,14 @@ fn stops(sim: &Simulator, script: &Script, watch: &dyn Watch) -> Vec<Stop> {
         Stop { space: sim.space(state, player), at: [x, y], changes }
     };
     let mut stops = vec![stop(&state, false)];
-    let mut last = None;
-    for input in script.inputs() {
-        if sim.metered_step(&mut state, input, &mut scratch, &meter).is_err() || meter.is_stopped() {
+    let mut last: Option<&Vec<PlayerInput>> = None;
+    for (step, input) in (1..).zip(script.inputs()) {
+        let drawn = sim.draw(chance.unwrap_or_default(), step, input);
+        if sim.metered_step(&mut state, &drawn, &mut scratch, &meter).is_err() || meter.is_stopped() {
             break;
         }
-        stops.push(stop(&state, last.is_some_and(|last| last != input)));
-        last = Some(input);
+        stops.push(stop(&state, last.is_some_and(|last| *last != input.0)));
+        last = Some(&input.0);
     }
     stops
 }

@@ -43,6 +43,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         without: without.into_iter().collect(),
         after: read_scripts(loaded, world, &args.after)?,
         minimizes: args.minimize,
+        chance: args.chance,
         ..Query::new(targets)
     })
 }
@@ -86,6 +87,7 @@ pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -
         after: args.after.clone(),
         min_hold: args.min_hold.map(|time| time.to_string()),
         minimize: args.minimize,
+        chance: args.chance,
         nodes_limit: args.nodes.or(args.seconds.is_none().then(|| node_limit(args))),
         seconds_limit: args.seconds,
         memory_limit: args.memory << 20,

@@ -10,7 +10,7 @@ use crate::reach::query::{Answer, Counterexample, Kind, Session};
 
 use super::question::recorded_settings;
 use super::refuted::Refuted;
-use super::text::counted;
+use super::text::{counted, with_luck};
 use crate::cli::args::ReachArgs;
 use crate::cli::report::program_sha256;
 
@@ -95,10 +95,11 @@ impl RunResult {
         };
         let hold = settings.min_hold.as_ref();
         let hold = hold.map_or(String::new(), |time| format!(", inputs held for at least {time}"));
+        let chance = settings.chance.map_or(String::new(), |seed| format!(", chance seed={seed}"));
         let given_up = self.given_up.iter().map(|why| format!("  everything is possible for {why}\n"));
         let given_up: String = given_up.collect();
         format!(
-            "{}, world {}, seed {}{naive}{metric}{without}{within}{hold}{after}\n{given_up}",
+            "{}, world {}, seed {}{naive}{metric}{without}{within}{hold}{chance}{after}\n{given_up}",
             self.file, self.world, settings.seed
         )
     }
@@ -108,10 +109,11 @@ impl RunResult {
         let answers = || self.goals.iter().map(|goal| &goal.answer);
         let mut seen: BTreeSet<&String> = answers().filter(|a| a.kind == Kind::Never).map(|a| &a.goal).collect();
         let mut out = String::new();
-        for Counterexample { never, steps, inputs } in answers().flat_map(|answer| &answer.violations) {
+        for Counterexample { never, steps, inputs, luck } in answers().flat_map(|answer| &answer.violations) {
             if seen.insert(never) {
                 let steps = counted(*steps, "step");
-                out.push_str(&format!("  never {never}: can be violated, counterexample: {steps}\n"));
+                let luck = with_luck(luck.as_ref());
+                out.push_str(&format!("  never {never}: can be violated{luck}, counterexample: {steps}\n"));
                 out.push_str(&format!("    inputs  {inputs}\n"));
             }
         }

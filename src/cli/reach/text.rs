@@ -1,8 +1,8 @@
 //! An answer of `hypedc reach` as text for people.
 
 use crate::reach::Conclusion;
-use crate::reach::End;
 use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
+use crate::reach::{End, Luck};
 
 use super::files::Saved;
 
@@ -30,6 +30,11 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
     notes
 }
 
+/// `, with luck: 1 in 36`; nothing if none is needed.
+pub(super) fn with_luck(luck: Option<&Luck>) -> String {
+    luck.filter(|luck| !luck.is_none()).map_or(String::new(), |luck| format!(", with luck: {}", luck.words()))
+}
+
 /// The verdict and what it assumes: the first line of an answer.
 fn verdict(answer: &Answer, query: &Query) -> String {
     let within = query.within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
@@ -54,7 +59,7 @@ fn verdict(answer: &Answer, query: &Query) -> String {
         Conclusion::NotAnswered if !is_never => "not answered".to_string(),
         Conclusion::NotAnswered => "not answered, no way to break it was found".to_string(),
         Conclusion::Reached | Conclusion::Violated | Conclusion::NotFound | Conclusion::Error => {
-            answer.verdict.words().to_string()
+            format!("{}{}", answer.verdict.words(), with_luck(answer.luck.as_ref()))
         }
     }
 }
@@ -138,6 +143,9 @@ fn search_text(answer: &Answer, seconds: f64) -> String {
     }
     if answer.inputs_left_out {
         out.push_str("    some combinations of buttons were left out: there are too many\n");
+    }
+    if answer.draws_left_out && is_open {
+        out.push_str("    not all that nature can draw was tried\n");
     }
     if !is_open {
         return out;

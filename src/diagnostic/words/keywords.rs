@@ -81,6 +81,12 @@ pub const MEANINGS: &[Meaning] = &[
         "axis horizontal\nx' = 60 * horizontal",
     ),
     means(
+        "chance",
+        "A whole number that nature draws anew in each step, each value as likely as the others. It is read like an axis: \
+         in guards, updates and flows.",
+        "chance roll: 1..6",
+    ),
+    means(
         "collider",
         "A shape that moves with the entity, and tags by which `collide` and `touching` refer to it. With `when` it is \
          there only while the guard holds.",

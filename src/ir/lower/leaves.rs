@@ -116,8 +116,11 @@ struct InputCollector<'a> {
 
 impl InputCollector<'_> {
     fn actions(&self, actions: &Actions) -> Inputs {
-        let spawns = actions.spawns.iter().map(|&s| &self.program.entities[self.id].spawns[s]);
-        spawns.fold(self.updates(&actions.updates), |all, spawn| {
+        let entity = &self.program.entities[self.id];
+        let sent = actions.sends.iter().filter_map(|&send| entity.sends[send].value);
+        let sent = sent.fold(self.updates(&actions.updates), |all, value| all.with(self.expr(value)));
+        let spawns = actions.spawns.iter().map(|&s| &entity.spawns[s]);
+        spawns.fold(sent, |all, spawn| {
             let params = spawn.params.iter().fold(Inputs::default(), |all, (_, e)| all.with(self.expr(*e)));
             all.with(params).with(self.updates(&spawn.updates))
         })
@@ -137,9 +140,9 @@ impl InputCollector<'_> {
             Drive::Flow { value, .. } => self.expr(value),
             Drive::Envelope(id, _) => {
                 let envelope = &self.program.entities[self.id].envelopes[id];
-                let axis = |id: crate::ir::AxisId| Inputs { buttons: 0, axes: 1 << id.index() };
+                let axis = |id: crate::ir::AxisId| Inputs { axes: 1 << id.index(), ..Inputs::default() };
                 let by = match &envelope.by {
-                    By::Button(button) => Inputs { buttons: 1 << button.index(), axes: 0 },
+                    By::Button(button) => Inputs { buttons: 1 << button.index(), ..Inputs::default() },
                     By::Axis(id) => axis(*id),
                     By::Axes([x, y], _) => axis(*x).with(axis(*y)),
                     By::Clock { total, .. } => self.expr(*total),
@@ -159,8 +162,9 @@ impl InputCollector<'_> {
 
     fn expr(&self, id: ExprId) -> Inputs {
         match self.program.exprs[id] {
-            Expr::Button(_, button) => Inputs { buttons: 1 << button.index(), axes: 0 },
-            Expr::Axis(axis) => Inputs { buttons: 0, axes: 1 << axis.index() },
+            Expr::Button(_, button) => Inputs { buttons: 1 << button.index(), ..Inputs::default() },
+            Expr::Axis(axis) => Inputs { axes: 1 << axis.index(), ..Inputs::default() },
+            Expr::Chance(chance) => Inputs { chances: 1 << chance.index(), ..Inputs::default() },
             expr => expr.operands().into_iter().fold(Inputs::default(), |all, a| all.with(self.expr(a))),
         }
     }

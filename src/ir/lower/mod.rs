@@ -11,8 +11,8 @@ use crate::sema::checked::{self, Checked};
 use crate::source::Span;
 
 use crate::ir::{
-    Arithmetic, By, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
-    ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
+    Arithmetic, By, Chance, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope,
+    Expr, ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
     RareVec, Reference, Release, Shape, Signal, Sum, TagSet, Touch, verify,
 };
 use term::{Context, duration, rate};
@@ -70,6 +70,7 @@ fn shell(e: &checked::Entity) -> Entity {
         refs: e.refs.iter().map(|r| Reference { name: r.name.text.to_string(), entity: r.entity }).collect(),
         buttons: e.buttons.iter().map(|b| b.text.to_string()).collect(),
         axes: e.axes.iter().map(|a| a.text.to_string()).collect(),
+        chances: e.chances.iter().map(|c| Chance { name: c.name.text.to_string(), range: c.range }).collect(),
         colliders: RareVec::new(),
         groups: RareVec::new(),
         modes: IdVec::new(),
@@ -111,6 +112,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
         discretes: e.discretes.iter().map(|d| d.name.span).collect(),
         buttons: e.buttons.iter().map(|b| b.span).collect(),
         axes: e.axes.iter().map(|a| a.span).collect(),
+        chances: e.chances.iter().map(|c| c.name.span).collect(),
         colliders: e.colliders.iter().map(|c| c.span).collect(),
         groups: e.groups.iter().map(|g| g.name.as_ref().map_or(e.name.span, |n| n.span)).collect(),
         touches: e.bound.iter().map(|b| b.span).collect(),

@@ -65,6 +65,7 @@ impl Program {
             TermKind::Var(of, var, degree) => Expr::Var(*of, *var, *degree),
             TermKind::Discrete(of, id) => Expr::Discrete(*of, *id),
             TermKind::Axis(axis) => Expr::Axis(*axis),
+            TermKind::Chance(chance) => Expr::Chance(*chance),
             TermKind::Timer(mode) => {
                 let timer = self.timer(context.entity(Subject::Me), *mode);
                 Expr::Timer(timer)

@@ -122,6 +122,7 @@ impl<'p> Code<'p> {
             Expr::InMode(subject, mode) => exists(mode, &of(subject)?.modes),
             Expr::Touching(subject, touch) => exists(touch, &of(subject)?.touches),
             Expr::Axis(axis) => exists(axis, &me()?.axes),
+            Expr::Chance(chance) => exists(chance, &me()?.chances),
             Expr::Button(Press::Pressed | Press::Held | Press::Released, button) => exists(button, &me()?.buttons),
             Expr::Timer(timer) => exists(timer, &me()?.timers),
             Expr::Joint(mode, _) => exists(mode, &me()?.modes),
@@ -183,6 +184,7 @@ impl<'p> Code<'p> {
             | Expr::Frames(_)
             | Expr::Bool(_)
             | Expr::Axis(_)
+            | Expr::Chance(_)
             | Expr::Timer(_)
             | Expr::Button(..)
             | Expr::Negate(_)

@@ -2,9 +2,10 @@
 //! driven, updated, spawned and destroyed exists.
 
 use crate::ir::{
-    Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr, ExprId,
-    Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_MODES, Mode, ModeId, Param,
-    Place, Program, RefUpdate, Reference, Release, Send, Signal, Spawn, Timer, Touch, Update, VarId,
+    Actions, By, Chance, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
+    ExprId, Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_CHANCES, MAX_INT,
+    MAX_MODES, Mode, ModeId, Param, Place, Program, RefUpdate, Reference, Release, Send, Signal, Spawn, Timer, Touch,
+    Update, VarId,
 };
 
 use super::code::{Code, Facts, Owner};
@@ -48,6 +49,7 @@ impl EntityVerifier<'_> {
             refs,
             buttons,
             axes,
+            chances,
             colliders,
             groups,
             modes,
@@ -74,6 +76,11 @@ impl EntityVerifier<'_> {
         ensure(vars.len() >= 2, "`x` and `y` come first").at("vars")?;
         ensure(buttons.len() <= MAX_BUTTONS, "there are more than fit a set").at("buttons")?;
         ensure(axes.len() <= MAX_AXES, "there are more than fit a set").at("axes")?;
+        ensure(chances.len() <= MAX_CHANCES, "there are more than fit a set").at("chances")?;
+        each("chances", chances, |_, Chance { name: _, range: (low, high) }| {
+            let fits = low <= high && [low, high].iter().all(|end| (-MAX_INT..=MAX_INT).contains(*end));
+            ensure(fits, "it is no range of whole numbers").at("range")
+        })?;
         ensure(modes.len() <= MAX_MODES, "there are more than a state can number").at("modes")?;
         self.inputs(*inputs).at("inputs")?;
         each("params", params, |_, Param { name: _, default }| self.expr(*default).at("default"))?;
@@ -131,10 +138,12 @@ impl EntityVerifier<'_> {
     }
 
     /// Checks that inputs are among those that it reads.
-    fn inputs(&self, Inputs { buttons, axes }: Inputs) -> Checked {
+    fn inputs(&self, Inputs { buttons, axes, chances }: Inputs) -> Checked {
         let fit = |set: u64, count: usize| count >= 64 || set >> count == 0;
         ensure(
-            fit(buttons, self.entity.buttons.len()) && fit(u64::from(axes), self.entity.axes.len()),
+            fit(buttons, self.entity.buttons.len())
+                && fit(u64::from(axes), self.entity.axes.len())
+                && fit(chances, self.entity.chances.len()),
             "it has no such input",
         )
     }
@@ -406,6 +415,7 @@ impl EntityVerifier<'_> {
             invariants,
             buttons,
             axes,
+            chances,
             colliders,
             groups,
             touches,
@@ -424,6 +434,7 @@ impl EntityVerifier<'_> {
             (invariants.len(), e.invariants.len()),
             (buttons.len(), e.buttons.len()),
             (axes.len(), e.axes.len()),
+            (chances.len(), e.chances.len()),
             (colliders.len(), e.colliders.len()),
             (groups.len(), e.groups.len()),
             (touches.len(), e.touches.len()),

@@ -276,7 +276,7 @@ impl CompletionCollector<'_> {
                     self.words(&["hold", "to"]);
                 }
             }
-            ("condition", "condition") if cursor.statement.len() == 1 => {}
+            ("condition", "condition") | ("chance", "chance") if cursor.statement.len() == 1 => {}
             // The author chooses a new name.
             ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
             | (
@@ -358,10 +358,11 @@ impl CompletionCollector<'_> {
             let modes: Vec<&str> = modes.map(|open| open.name).collect();
             self.conditions(&entity.conditions, Some(entity), &modes);
             entity.axes.iter().for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
+            entity.chances.iter().for_each(|c| self.add(0, &c.name.text, CompletionKind::Input, "chance"));
         }
         if let Some(from) = cursor.enclosing(Block::Behavior).map(|b| b.start) {
-            use NameKind::{Argument, Condition, Discrete, Parameter, Variable};
-            let kinds = [Argument, Parameter, Variable, Discrete, Condition];
+            use NameKind::{Argument, Chance, Condition, Discrete, Parameter, Variable};
+            let kinds = [Argument, Parameter, Variable, Discrete, Chance, Condition];
             self.declared_after(from, &kinds);
         }
         self.names_of_kind(NameKind::Constant);

@@ -39,7 +39,7 @@ pub(in crate::lsp) enum CompletionKind {
     Value,
     /// A constant, or a parameter of an entity.
     Constant,
-    /// A button or an axis.
+    /// A button, an axis or a chance.
     Input,
 }
 
@@ -260,7 +260,7 @@ fn kind_of(kind: NameKind) -> CompletionKind {
         NameKind::Variable | NameKind::Discrete | NameKind::Condition | NameKind::Reference => CompletionKind::Variable,
         NameKind::Value | NameKind::Tag => CompletionKind::Value,
         NameKind::Touched | NameKind::Instance => CompletionKind::Instance,
-        NameKind::Button | NameKind::Axis => CompletionKind::Input,
+        NameKind::Button | NameKind::Axis | NameKind::Chance => CompletionKind::Input,
         NameKind::Signal => CompletionKind::Input,
         NameKind::SignalNumber => CompletionKind::Property,
         NameKind::Goal | NameKind::Never => CompletionKind::Function,

@@ -146,6 +146,7 @@ pub(super) fn kind_label(kind: NameKind) -> &'static str {
         NameKind::Touched => "what is touched",
         NameKind::Button => "button",
         NameKind::Axis => "axis",
+        NameKind::Chance => "chance",
         NameKind::Tag => "tag",
         NameKind::Space => "space",
         NameKind::TileSet => "tile set",
@@ -173,6 +174,7 @@ pub(super) fn owners<'c>(
         NameKind::Reference => e.refs.iter().any(|r| is_it(r.name.span)),
         NameKind::Button => e.buttons.iter().any(|b| is_it(b.span)),
         NameKind::Axis => e.axes.iter().any(|a| is_it(a.span)),
+        NameKind::Chance => e.chances.iter().any(|c| is_it(c.name.span)),
         NameKind::Mode => e.modes.iter().any(|m| is_it(m.name.span)),
         NameKind::Group => e.groups.iter().filter_map(|g| g.name.as_ref()).any(|n| is_it(n.span)),
         _ => false,
@@ -273,6 +275,10 @@ impl NameHover<'_> {
                 })
             }
             NameKind::Axis => Some("-1 to 1".into()),
+            NameKind::Chance => {
+                let (low, high) = entity.chances.iter().find(|c| c.name.text == name)?.range;
+                Some(format!("{low}..{high}, drawn anew in each step"))
+            }
             _ => None,
         }
     }

@@ -259,6 +259,9 @@ impl Outline<'_> {
                 Member::Axes(list) => {
                     out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Name(NameKind::Axis), n.span, "axis")));
                 }
+                Member::Chance(c) => {
+                    out.push(leaf(&c.name, SymbolKind::Name(NameKind::Chance), c.high.span, "chance"));
+                }
                 Member::Collider(c) => {
                     if let Some(first) = c.tags.first() {
                         let name = comma_separated(&c.tags);

@@ -22,7 +22,7 @@ pub(super) fn of_name(kind: NameKind) -> SymbolKind {
         NameKind::Variable | NameKind::Discrete | NameKind::Touched | NameKind::SignalNumber => SymbolKind::Variable,
         NameKind::Value | NameKind::Tag => SymbolKind::EnumMember,
         NameKind::Reference => SymbolKind::Field,
-        NameKind::Button | NameKind::Axis | NameKind::Signal => SymbolKind::Event,
+        NameKind::Button | NameKind::Axis | NameKind::Chance | NameKind::Signal => SymbolKind::Event,
         NameKind::Instance => SymbolKind::Object,
         NameKind::Condition | NameKind::Goal | NameKind::Never => SymbolKind::Boolean,
     }

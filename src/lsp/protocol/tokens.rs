@@ -91,7 +91,7 @@ fn type_of_name(kind: NameKind) -> &'static str {
         NameKind::Constant => "macro",
         NameKind::Variable | NameKind::Discrete | NameKind::SignalNumber => "property",
         NameKind::Reference | NameKind::Touched | NameKind::Instance => "variable",
-        NameKind::Button | NameKind::Axis | NameKind::Signal => "event",
+        NameKind::Button | NameKind::Axis | NameKind::Chance | NameKind::Signal => "event",
         NameKind::Tag => "label",
         NameKind::TileSet => "type",
         NameKind::Condition | NameKind::Goal | NameKind::Never => "function",

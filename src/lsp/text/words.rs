@@ -42,6 +42,7 @@ const IN_ENTITIES: &[&str] = &[
     "ref",
     "button",
     "axis",
+    "chance",
     "collider",
     "kinematic",
     "clamp",
@@ -90,6 +91,7 @@ const MEMBERS: &[Snippet] = &[
     snippet("group …", "group ${1:name} {\n    $0\n}", "modes that run beside others"),
     snippet("collider …", "collider ${1:body}: rect(${2:0, 0, 16, 16})", "a shape with tags"),
     CONDITION,
+    snippet("chance …", "chance ${1:name}: ${2:1}..${3:6}", "a whole number that each step draws"),
     snippet("discrete …", "discrete ${1:name}: int ${2:0}..${3:9} = ${4:0}", "a whole number"),
 ];
 

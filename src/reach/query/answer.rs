@@ -10,6 +10,7 @@ use crate::source::SourceMap;
 use super::super::conclusion::Conclusion;
 use super::super::coverage::{Count, PLACE};
 use super::super::outcome::{Argument, Cut, End, Outcome, Verdict};
+use super::super::probability::Luck;
 use super::super::problem::Target;
 use super::wording::{is_bounded, reasons};
 
@@ -147,7 +148,7 @@ impl SearchWindow {
 }
 
 /// A way to break a `never` that was met while something else was searched.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Counterexample {
     /// The name of the `never`.
@@ -156,6 +157,9 @@ pub struct Counterexample {
     pub steps: u64,
     /// The inputs, as a script.
     pub inputs: String,
+    /// The luck that it needs; left out in a world without chances.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub luck: Option<Luck>,
 }
 
 /// The answer to one question.
@@ -218,6 +222,13 @@ pub struct Answer {
     pub violations: Vec<Counterexample>,
     /// Whether some combinations of buttons were left out because there are too many.
     pub inputs_left_out: bool,
+    /// Whether nature drew something of which not all values were tried: nothing is proven by trying then. Left out if not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub draws_left_out: bool,
+    /// The luck that the path needs: nature draws what helps. Left out if there is no path, in a world without chances,
+    /// and where a seed fixes what is drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub luck: Option<Luck>,
 }
 
 impl Answer {
@@ -252,6 +263,8 @@ impl Answer {
             windows: Vec::new(),
             violations: Vec::new(),
             inputs_left_out: false,
+            draws_left_out: false,
+            luck: None,
         }
     }
 
@@ -311,6 +324,7 @@ impl Answer {
             },
             violations: Vec::new(),
             inputs_left_out: outcome.truncated,
+            draws_left_out: outcome.has_open_draws,
             ..Answer::failed(target.kind(), target.name(world).to_string())
         }
     }

@@ -8,12 +8,14 @@ use crate::analysis::{ConfigurationSpace, watched_space};
 use crate::ir::{ExprId, NeverId, Program, WorldId};
 use crate::sim::{Fault, Script, Simulator};
 use crate::source::SourceMap;
-use crate::watch::Watch;
+use crate::watch::{Meter, Unwatched, Watch};
 
 use super::super::exchange::plan_from_script;
 use super::super::improve_duration::improve_duration;
+use super::super::luck::only_read;
 use super::super::monitor::{Monitor, Refutation};
 use super::super::outcome::{End, Outcome, Plan, Verdict};
+use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
 use super::super::search::{Limits, Settings};
@@ -39,6 +41,8 @@ pub struct Query {
     pub after: Vec<Script>,
     /// Whether paths are made faster and simpler.
     pub minimizes: bool,
+    /// The seed of what nature draws; `None`: a search is free to choose it.
+    pub chance: Option<u64>,
 }
 
 impl Query {
@@ -53,6 +57,7 @@ impl Query {
             without: Vec::new(),
             after: Vec::new(),
             minimizes: false,
+            chance: None,
         }
     }
 }
@@ -211,13 +216,30 @@ impl Session {
         }
         let (program, world) = (self.sim.program(), self.sim.world_id());
         let violations = found.outcome.violations.iter().filter(|(never, _)| !self.query.without.contains(never));
-        let violations = violations.map(|(never, script)| Counterexample {
-            never: self.sim.world().nevers[*never].name.clone(),
-            steps: script.len(),
-            inputs: script.text(program, world),
+        let violations = violations.map(|(never, script)| {
+            let problem = found.problem.as_ref().map(|problem| problem.clone().of(Target::Never(*never)));
+            // Only what is read of all that nature drew in the search.
+            let kept = self.given_steps(script).unwrap_or(0);
+            let read = problem.as_ref().filter(|_| !self.sim.draws().is_empty());
+            let read = read.and_then(|problem| only_read(problem, script, kept, &Meter::new(&Unwatched)));
+            let script = read.as_ref().unwrap_or(script);
+            Counterexample {
+                never: self.sim.world().nevers[*never].name.clone(),
+                steps: script.len(),
+                inputs: script.text(program, world),
+                luck: problem.and_then(|problem| self.luck(&problem, script, kept)),
+            }
         });
         let violations = violations.collect();
-        Answer { violations, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+        let luck =
+            found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| self.luck(p, &plan.script, plan.after));
+        Answer { violations, luck, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+    }
+
+    /// The luck that a script needs, where nature draws and a search chose it.
+    fn luck(&self, problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
+        let is_chosen = !self.sim.draws().is_empty() && !problem.is_foretold();
+        is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
     }
 
     fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
@@ -294,6 +316,9 @@ impl Session {
         let mut problem = Problem::asking(&self.sim, target).holding(*min_hold);
         if let Some(monitor) = &self.monitor {
             problem = problem.monitored(monitor);
+        }
+        if let Some(seed) = self.query.chance {
+            problem = problem.foretold(seed);
         }
         for never in without {
             problem = problem.without(self.sim.world().nevers[*never].holds);

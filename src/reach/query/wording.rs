@@ -14,7 +14,10 @@ pub(super) fn reasons(sources: &SourceMap, program: &Program, world: &World, ver
     match verdict {
         Verdict::Unreachable(argument) => argument_reasons(sources, program, world, argument),
         Verdict::Exhausted(all) => {
-            vec![visited(*all), "values of axes between these were not tried, and can make a difference".to_string()]
+            vec![
+                visited(*all, has_draws(program, world)),
+                "values of axes between these were not tried, and can make a difference".to_string(),
+            ]
         }
         Verdict::Reached(_) | Verdict::NotFound => Vec::new(),
     }
@@ -33,19 +36,25 @@ fn argument_reasons(sources: &SourceMap, program: &Program, world: &World, argum
                 format!("it takes at least {least} {steps} ({seconds:.2} s)"),
             ]
         }
-        Argument::Exhaustion(all) => vec![visited(*all)],
+        Argument::Exhaustion(all) => vec![visited(*all, has_draws(program, world))],
         Argument::Over => vec!["every run is over before it begins".to_string()],
     }
 }
 
+/// Whether nature draws anything in a world.
+fn has_draws(program: &Program, world: &World) -> bool {
+    world.slots.iter().any(|slot| !program.entities[slot.entity].chances.is_empty())
+}
+
 /// Describes the states that an exhaustive search visited.
-fn visited(Exhaustion { states, min_hold }: Exhaustion) -> String {
+fn visited(Exhaustion { states, min_hold }: Exhaustion, has_draws: bool) -> String {
     let held = match min_hold {
         1 => "that can change at every step".to_string(),
         steps => format!("that are held for at least {steps} steps"),
     };
     let states = if states == 1 { "the only state was".to_string() } else { format!("all {states} states were") };
-    format!("{states} visited to which inputs lead {held}: all buttons, axes at -1, 0 and 1")
+    let drawn = if has_draws { ", all that nature can draw" } else { "" };
+    format!("{states} visited to which inputs lead {held}: all buttons, axes at -1, 0 and 1{drawn}")
 }
 
 /// One reason for each part of a predicate that cannot hold. `sources` hold the text of the predicates.

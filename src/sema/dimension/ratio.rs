@@ -1,4 +1,4 @@
-//! Exponents of dimensions: exact fractions.
+//! Exponents of dimensions: fractions, added and multiplied as long as they can be represented exactly.
 
 /// A fraction in lowest terms with a positive denominator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,15 +16,18 @@ impl Ratio {
         let g = (a.max(1) as i64) * d.signum();
         Ratio(n / g, d / g)
     }
+
     /// `None` if it cannot be represented exactly.
     pub fn plus(self, o: Ratio) -> Option<Ratio> {
         let sum = self.0.checked_mul(o.1)?.checked_add(o.0.checked_mul(self.1)?)?;
         Ratio::checked(sum, self.1.checked_mul(o.1)?)
     }
+
     /// `None` if it cannot be represented exactly.
     pub fn times(self, o: Ratio) -> Option<Ratio> {
         Ratio::checked(self.0.checked_mul(o.0)?, self.1.checked_mul(o.1)?)
     }
+
     /// Both numbers of a ratio can be negated without overflow.
     fn checked(n: i64, d: i64) -> Option<Ratio> {
         (n != i64::MIN && d != i64::MIN).then(|| Ratio::new(n, d))

@@ -111,6 +111,7 @@ impl Solver<'_> {
                 let (name, kind) = match &leaf.kind {
                     TermKind::Discrete(Subject::Me, d) => (&entity.discretes[*d].name, "`discrete`"),
                     TermKind::Axis(axis) => (&entity.axes[*axis], "axis"),
+                    TermKind::Chance(chance) => (&entity.chances[*chance].name, "`chance`"),
                     _ => return None,
                 };
                 Some((name.span, format!("`{}` is a pure number, as is every {kind}", name.text)))
@@ -213,7 +214,9 @@ fn factor(term: &Term, sums: bool) -> Option<(&Term, bool)> {
 /// The names in a term that its dimension comes from.
 fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
     match &term.kind {
-        TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) => out.push(term),
+        TermKind::Param(..) | TermKind::Var(..) | TermKind::Discrete(..) | TermKind::Axis(_) | TermKind::Chance(_) => {
+            out.push(term)
+        }
         // Truth values and references have none.
         TermKind::And(_) | TermKind::Or(_) | TermKind::Near(_) | TermKind::Probe(_) | TermKind::Count(_) => {}
         _ => term.operands().iter().for_each(|operand| leaves(operand, out)),

@@ -15,6 +15,7 @@ mod lower;
 mod meaning;
 mod names;
 mod operators;
+mod period;
 mod program;
 mod rare;
 mod spans;
@@ -37,6 +38,7 @@ pub use layout::{Layout, SlotLayout};
 pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_MODES, MAX_TAGS};
 pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
+pub use period::Period;
 pub use program::{
     Actions, By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs,
     Leaf, Mode, Param, Program, RefUpdate, RefValue, Reference, Release, Shape, Spawn, TagSet, Timer, Touch, Update,

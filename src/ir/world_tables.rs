@@ -6,7 +6,7 @@ use crate::ir::TileMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId,
+    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, RefId, Response, SlotId,
     SpaceId, TagId, TagSet, TimerId, VarId,
 };
 
@@ -88,11 +88,26 @@ pub struct Space {
     pub solids: Vec<Solid>,
     /// The bounds that are written: a run ends where a player leaves them below or beside. None: it ends at no border.
     pub bounds: Option<Bounds>,
+    /// Whether the left and the right border of the extent are one, and the lower and the upper one.
+    #[serde(default, skip_serializing_if = "wraps_nowhere")]
+    pub wraps: [bool; 2],
     /// Ways into other spaces.
     pub links: Vec<Link>,
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
+fn wraps_nowhere(wraps: &[bool; 2]) -> bool {
+    *wraps == [false; 2]
+}
+
 impl Space {
+    /// What repeats along each axis, if the space wraps along it.
+    pub fn periods(&self) -> [Option<Period>; 2] {
+        let Some(extent) = self.extent().filter(|_| self.wraps != [false; 2]) else { return [None; 2] };
+        let sides = [(extent.left, extent.right), (extent.bottom, extent.top)];
+        [0, 1].map(|axis| self.wraps[axis].then(|| Period { low: sides[axis].0, high: sides[axis].1 }))
+    }
+
     /// The rectangle that the map covers. It does not end a run.
     pub fn map_rectangle(&self) -> Option<Bounds> {
         self.map.as_ref().map(|map| Bounds::new([0.0, 0.0, map.size().0, map.size().1]))

@@ -65,6 +65,8 @@ pub struct Space {
     pub solids: Vec<Solid>,
     /// The bounds of players: x and y of the lower-left corner, width, height; px.
     pub bounds: Option<[f64; 4]>,
+    /// Whether the left and the right border are one, and the lower and the upper one.
+    pub wraps: [bool; 2],
     /// Links to other spaces, in source order.
     pub links: Vec<Link>,
 }

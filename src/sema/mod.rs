@@ -31,6 +31,7 @@ mod record_uses;
 mod reference;
 mod unused;
 mod world;
+mod wrap;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

@@ -11,6 +11,7 @@ mod evaluate;
 mod flow;
 mod generate;
 mod model;
+mod seam;
 mod step;
 mod verdict;
 

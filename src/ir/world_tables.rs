@@ -6,8 +6,8 @@ use crate::ir::TileMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, RefId, Response, SlotId,
-    SpaceId, TagId, TagSet, TimerId, VarId,
+    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, RefId, Response,
+    SlotId, SpaceId, TagId, TagSet, TimerId, VarId,
 };
 
 /// A world, ready to run.

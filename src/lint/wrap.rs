@@ -23,7 +23,8 @@ pub(super) fn wraps(checked: &Checked, found: &mut Diagnostics) {
                     for collider in entity.colliders.iter() {
                         let reach = reach(world, instance, collider, axis);
                         let at = collider.span;
-                        let Some(reach) = reach.filter(|reach| *reach > period.size() / 2.0 && !told.contains(&at)) else {
+                        let Some(reach) = reach.filter(|reach| *reach > period.size() / 2.0 && !told.contains(&at))
+                        else {
                             continue;
                         };
                         told.push(at);

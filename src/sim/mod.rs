@@ -21,6 +21,7 @@ mod life;
 mod run;
 mod saved;
 mod script;
+mod seam;
 mod simulator;
 pub mod state;
 mod tiles;

@@ -59,11 +59,12 @@ impl Fact for BadWrap {
                 new(message, "what repeats is the bounds")
                     .help(format!("let the bounds be as {side} as the map, from 0 to {map} px, or leave them out"))
             }
-            WhyNoWrap::Rect { at: rect, long, size, side } => {
-                new(format!("a `rect` of `{space}` is {long} px {side}, longer than what repeats"), &format!("every {size} px"))
-                    .and(rect, "would overlap itself")
-                    .help(format!("{size} px reach all around"))
-            }
+            WhyNoWrap::Rect { at: rect, long, size, side } => new(
+                format!("a `rect` of `{space}` is {long} px {side}, longer than what repeats"),
+                &format!("every {size} px"),
+            )
+            .and(rect, "would overlap itself")
+            .help(format!("{size} px reach all around")),
         }
     }
 }
@@ -112,7 +113,8 @@ pub struct LinkBeyondSeam {
 impl Fact for LinkBeyondSeam {
     fn into_diagnostic(self) -> Diagnostic {
         let LinkBeyondSeam { at, space, low, high, axis } = self;
-        let message = format!("nobody is where this link begins: `{space}` wraps, so `{axis}` is from {low} to below {high}");
+        let message =
+            format!("nobody is where this link begins: `{space}` wraps, so `{axis}` is from {low} to below {high}");
         Diagnostic::new(Code::BadWrap, message)
             .at(at, "beyond the border")
             .help("a space that wraps needs no link to its other side; any other link begins between its borders")

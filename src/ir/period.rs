@@ -1,7 +1,10 @@
 //! The stretch of an axis that repeats in a space that wraps. A position is brought into it at the end of a step.
 
+use serde::{Deserialize, Serialize};
+
 /// What repeats along an axis, px: all from `low` up to, but not including, `high`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Period {
     /// The lower border.
     pub low: f64,

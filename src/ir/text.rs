@@ -410,9 +410,10 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
         if let Some(b) = space.bounds {
             write!(out, " in {}..{}, {}..{}", b.left, b.right, b.bottom, b.top)?;
         }
-        let ways = space.wraps.iter().zip(["horizontal", "vertical"]).filter(|(wraps, _)| **wraps);
-        for (_, way) in ways {
-            write!(out, ", wraps {way}")?;
+        for (period, axis) in space.periods.iter().zip(["x", "y"]) {
+            if let Some(period) = period {
+                write!(out, ", {axis} wraps {}..{}", period.low, period.high)?;
+            }
         }
         for solid in &space.solids {
             let b = solid.bounds;

@@ -88,24 +88,22 @@ pub struct Space {
     pub solids: Vec<Solid>,
     /// The bounds that are written: a run ends where a player leaves them below or beside. None: it ends at no border.
     pub bounds: Option<Bounds>,
-    /// Whether the left and the right border of the extent are one, and the lower and the upper one.
-    #[serde(default, skip_serializing_if = "wraps_nowhere")]
-    pub wraps: [bool; 2],
+    /// What repeats along each axis: the left and the right border of the extent are one, the lower and the upper one.
+    #[serde(default, skip_serializing_if = "repeats_nowhere")]
+    pub periods: [Option<Period>; 2],
     /// Ways into other spaces.
     pub links: Vec<Link>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
-fn wraps_nowhere(wraps: &[bool; 2]) -> bool {
-    *wraps == [false; 2]
+fn repeats_nowhere(periods: &[Option<Period>; 2]) -> bool {
+    *periods == [None; 2]
 }
 
 impl Space {
-    /// What repeats along each axis, if the space wraps along it.
-    pub fn periods(&self) -> [Option<Period>; 2] {
-        let Some(extent) = self.extent().filter(|_| self.wraps != [false; 2]) else { return [None; 2] };
-        let sides = [(extent.left, extent.right), (extent.bottom, extent.top)];
-        [0, 1].map(|axis| self.wraps[axis].then(|| Period { low: sides[axis].0, high: sides[axis].1 }))
+    /// Whether it wraps at all.
+    pub fn wraps(&self) -> bool {
+        self.periods != [None; 2]
     }
 
     /// The rectangle that the map covers. It does not end a run.

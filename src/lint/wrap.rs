@@ -10,7 +10,7 @@ use crate::sema::{ConstantContext, evaluate};
 pub(super) fn wraps(checked: &Checked, found: &mut Diagnostics) {
     for world in checked.worlds.iter() {
         for (id, space) in world.spaces.pairs() {
-            for (axis, period) in periods(space).into_iter().enumerate() {
+            for (axis, period) in space.periods().into_iter().enumerate() {
                 let Some(period) = period else { continue };
                 links(space, axis, period, found);
                 let mut told = Vec::new();
@@ -35,14 +35,6 @@ pub(super) fn wraps(checked: &Checked, found: &mut Diagnostics) {
             }
         }
     }
-}
-
-/// What repeats along each axis of a space.
-pub(super) fn periods(space: &Space) -> [Option<Period>; 2] {
-    let map = space.map.as_ref().map(|map| [0.0, 0.0, map.size().0, map.size().1]);
-    let extent = space.bounds.or(map);
-    let of = |axis: usize, sides: [f64; 4]| Period { low: sides[axis], high: sides[axis] + sides[axis + 2] };
-    [0, 1].map(|axis| extent.filter(|_| space.wraps[axis]).map(|sides| of(axis, sides)))
 }
 
 /// How far a collider of constant size reaches from the position along an axis, px.

@@ -1,5 +1,6 @@
 //! The checked program's worlds: spaces, instances with their initial values, contact rules, predicates.
 
+use crate::ir::Period;
 use crate::ir::{
     DiscreteId, EntityId, GoalId, IdVec, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId, TagId,
     TileMap, VarId,
@@ -69,6 +70,16 @@ pub struct Space {
     pub wraps: [bool; 2],
     /// Links to other spaces, in source order.
     pub links: Vec<Link>,
+}
+
+impl Space {
+    /// What repeats along each axis; unknown while the map is.
+    pub fn periods(&self) -> [Option<Period>; 2] {
+        let map = self.map.as_ref().map(|map| [0.0, 0.0, map.size().0, map.size().1]);
+        let extent = self.bounds.or(map);
+        let of = |axis: usize, sides: [f64; 4]| Period { low: sides[axis], high: sides[axis] + sides[axis + 2] };
+        [0, 1].map(|axis| extent.filter(|_| self.wraps[axis]).map(|sides| of(axis, sides)))
+    }
 }
 
 /// A link to another space.

@@ -19,7 +19,7 @@ pub(super) struct Seams {
 impl Seams {
     /// `None` if no space wraps.
     pub fn of(world: &World) -> Option<Seams> {
-        let periods: Vec<_> = world.spaces.iter().map(Space::periods).collect();
+        let periods: Vec<_> = world.spaces.iter().map(|space| space.periods).collect();
         periods.iter().any(|of| *of != [None; 2]).then_some(Seams { periods })
     }
 
@@ -43,7 +43,7 @@ fn moved(rect: &Rect, [x, y]: [f64; 2]) -> Rect {
 /// between the borders to one after it. It is no longer than a period, and no collider reaches farther than half of it.
 pub(super) fn solids(space: &Space) -> Vec<Solid> {
     let mut all = space.solids.clone();
-    for (axis, period) in space.periods().into_iter().enumerate() {
+    for (axis, period) in space.periods.into_iter().enumerate() {
         let Some(period) = period else { continue };
         let repeated = |solid: &Solid| {
             let low = if axis == 0 { solid.bounds.left } else { solid.bounds.bottom };
@@ -79,7 +79,7 @@ impl Around {
             let count = count as i64;
             if wraps { -count..2 * count } else { 0..count }
         };
-        let wraps = space.wraps;
+        let wraps = space.periods.map(|period| period.is_some());
         Around { columns: around(map.columns, wraps[0]), rows: around(map.rows, wraps[1]), wraps }
     }
 

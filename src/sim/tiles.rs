@@ -44,7 +44,7 @@ impl Simulator {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
         let tiles = Tiles { map, encounters, meter };
-        if self.collision.seams.is_some() && self.world().spaces[SpaceId(rect.space)].wraps != [false; 2] {
+        if self.collision.seams.is_some() && self.world().spaces[SpaceId(rect.space)].wraps() {
             return self.collide_tiles_around(state, (body, rect), tiles, displacement);
         }
         let [columns, rows] = &self.collision.grids[rect.space as usize];

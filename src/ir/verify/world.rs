@@ -20,11 +20,11 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
         ensure(slots[*slot].player == Some(player), "the instance is another player's").at("slot")
     })?;
     each("slots", slots, |_, slot| self::slot(program, world, slot))?;
-    each("spaces", spaces, |id, space| {
-        let Space { name: _, map, solids, bounds, wraps: _, links } = space;
+    each("spaces", spaces, |_, space| {
+        let Space { name: _, map, solids, bounds, periods: _, links } = space;
         map.as_ref().map_or(Ok(()), |map| self::map(program, map)).at("map")?;
         bounds.map_or(Ok(()), rectangle).at("bounds")?;
-        wraps(space, *open == Some(id)).at("wraps")?;
+        wraps(space).at("periods")?;
         each_of("solids", solids, |Solid { tags: of, bounds }| {
             tags(*of, program).at("tags")?;
             rectangle(*bounds).at("bounds")
@@ -96,23 +96,17 @@ fn map(program: &Program, map: &TileMap<TagId>) -> Checked {
     each_of("kinds", kinds, |kind| super::all_exist(&kind.tags, &program.tags).at("tags"))
 }
 
-/// Checks that what repeats has a length, that no rectangle is longer, and that a map fills it.
-fn wraps(space: &Space, is_open: bool) -> Checked {
-    let sides = |b: Bounds| [(b.left, b.right), (b.bottom, b.top)];
-    for (axis, period) in space.periods().into_iter().enumerate().filter(|(axis, _)| space.wraps[*axis]) {
-        // The borders of a map that is not given are not known.
-        let Some(period) = period else {
-            ensure(is_open, "there are no borders")?;
-            continue;
-        };
+/// Checks that what repeats lies between the borders, that no rectangle is longer, and that a map fills it.
+fn wraps(space: &Space) -> Checked {
+    let sides = |b: Bounds, axis: usize| [(b.left, b.right), (b.bottom, b.top)][axis];
+    for (axis, period) in space.periods.iter().enumerate().filter_map(|(axis, period)| Some((axis, (*period)?))) {
+        let borders = (period.low, period.high);
+        let is_within = |b: Option<Bounds>| b.is_none_or(|b| sides(b, axis) == borders);
+        ensure(space.extent().is_some() && is_within(space.extent()), "the borders are not those of the space")?;
+        ensure(is_within(space.map_rectangle()), "the map does not fill what repeats")?;
         ensure(period.low < period.high, "the borders are one place")?;
-        let is_longer = |solid: &Solid| {
-            let (low, high) = sides(solid.bounds)[axis];
-            high - low > period.size()
-        };
+        let is_longer = |solid: &Solid| sides(solid.bounds, axis).1 - sides(solid.bounds, axis).0 > period.size();
         ensure(!space.solids.iter().any(is_longer), "a rectangle is longer than what repeats")?;
-        let fills = |map: Bounds| sides(map)[axis] == (period.low, period.high);
-        ensure(space.map_rectangle().is_none_or(fills), "the map does not fill what repeats")?;
     }
     Ok(())
 }

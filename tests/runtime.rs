@@ -10,6 +10,7 @@ mod embedding;
 mod examples;
 mod memory;
 mod properties;
+mod seams;
 mod semantics;
 mod smb;
 mod trace;

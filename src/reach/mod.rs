@@ -15,6 +15,7 @@
 //! Every state created on the way is checked against the analysis (`monitor.rs`). A state outside shows that the
 //! analysis is wrong about this world: proofs that rest on it are withdrawn.
 
+mod around;
 mod bounds;
 mod conclusion;
 mod controls;

@@ -147,6 +147,14 @@ pub(in crate::analysis) fn wraps<'s>(
     spaces.into_iter().any(|space| world.spaces[*space].periods[axis].is_some())
 }
 
+/// Whether a box around a position reaches farther than half of what repeats in some space.
+pub(in crate::analysis) fn reaches_around(world: &World, extent: [Interval; 2]) -> bool {
+    let periods = world.spaces.iter().flat_map(|space| space.periods.into_iter().zip(extent));
+    periods
+        .into_iter()
+        .any(|(period, side)| period.is_some_and(|period| side.high.max(-side.low) > period.size() / 2.0))
+}
+
 /// Brings an instance that has moved to where the repeated obstacles reach: from half a period before the lower border
 /// to half a period after the upper one. Returns whether it may have come from anywhere.
 pub(in crate::analysis) fn into_reach(world: &World, axis: usize, moved: &mut Configuration) -> bool {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Bounce, Bounds, ColliderId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, Meeting, Program, Push, Response,
-    Shape, Side, SlotId, Solid, Subject, TagSet, VarId, World,
+    Shape, Side, SlotId, Solid, Subject, TagSet, World,
 };
 
 use crate::watch::Meter;
@@ -28,7 +28,7 @@ use super::tiles::Grid;
 /// Data about a world's colliders, prepared once.
 #[derive(Debug)]
 pub(super) struct Collision {
-    bodies: Vec<Body>,
+    pub bodies: Vec<Body>,
     /// Their kinds.
     pub kinds: Vec<Kind>,
     pub broad_phase: BroadPhase,
@@ -53,10 +53,10 @@ pub(super) struct Collision {
 /// A collider of a slot.
 #[derive(Debug)]
 pub(super) struct Body {
-    slot: SlotId,
+    pub slot: SlotId,
     pub kind: usize,
     /// The index of its set of tags.
-    set: usize,
+    pub set: usize,
     pub kinematic: bool,
     /// The offsets of its instance's position, space and life in a state.
     layout: PositionLayout,
@@ -78,7 +78,7 @@ pub(super) struct Body {
 pub(super) struct Kind {
     tags: TagSet,
     /// For each set of tags: the rule of a contact, and the contact bits that it sets.
-    sets: Vec<Option<Encounter>>,
+    pub sets: Vec<Option<Encounter>>,
     /// For each space, for each kind of tile.
     pub tiles: Vec<Vec<Option<Encounter>>>,
     /// For each space, for each free-standing rectangle.
@@ -264,20 +264,6 @@ impl Collision {
         }
     }
 
-    /// Whether two bodies are of two instances and a rule pairs them.
-    pub fn can_meet(&self, i: usize, j: usize) -> bool {
-        let (a, b) = (&self.bodies[i], &self.bodies[j]);
-        a.slot != b.slot && self.kinds[a.kind].sets[b.set].is_some()
-    }
-
-    /// Whether a body can meet any other with an effect.
-    pub fn meets_any(&self, body: usize) -> bool {
-        match &self.broad_phase {
-            BroadPhase::Listed(_) => true,
-            BroadPhase::Kinds(kinds) => kinds.meets[self.bodies[body].set],
-        }
-    }
-
     /// Working memory for this world.
     pub fn scratch(&self, world: &World) -> Scratch {
         Scratch {
@@ -422,45 +408,6 @@ impl Simulator {
             }
         }
         Ok(())
-    }
-
-    /// Moves riders along with their carriers, and clears the carriers. A rider on something carried moves after it; in
-    /// a cycle, the lowest slot moves first.
-    fn carry(&self, state: &mut [u8], start: &[(f64, f64)]) {
-        let rides = |state: &[u8], slot: SlotId| {
-            let layout = self.layout(slot);
-            layout.carrier(state).filter(|_| layout.acts(state))
-        };
-        loop {
-            let (mut first_waiting, mut has_moved) = (None, false);
-            for me in self.world().slots.ids() {
-                let Some(carrier) = rides(state, me) else { continue };
-                if rides(state, carrier).is_some() {
-                    first_waiting = first_waiting.or(Some((me, carrier)));
-                    continue;
-                }
-                self.ride(state, start, me, carrier);
-                has_moved = true;
-            }
-            match first_waiting {
-                Some((me, carrier)) if !has_moved => self.ride(state, start, me, carrier),
-                Some(_) => {}
-                None => break,
-            }
-        }
-    }
-
-    /// Moves an instance along with its carrier.
-    fn ride(&self, state: &mut [u8], start: &[(f64, f64)], me: SlotId, carrier: SlotId) {
-        let layout = self.layout(me);
-        if self.layout(carrier).acts(state) && self.space(state, carrier) == layout.space(state) {
-            let (x, y) = self.position(state, carrier);
-            let (from_x, from_y) = start[carrier.index()];
-            let (own_x, own_y) = self.position(state, me);
-            layout.set_var(state, VarId::X, 0, own_x + (x - from_x));
-            layout.set_var(state, VarId::Y, 0, own_y + (y - from_y));
-        }
-        layout.set_carrier(state, None);
     }
 
     /// Moves all boxes to the positions of their instances.

@@ -6,6 +6,7 @@
 
 mod actor;
 mod broad_phase;
+mod carry;
 mod collision;
 mod contact;
 mod continuous;

@@ -7,6 +7,7 @@ use crate::ir::{Id, Period, Solid, Space, SpaceId, TagId, TileMap, VarId, World}
 use crate::watch::Meter;
 
 use super::broad_phase::{BroadPhase, PAIRS_PER_BOX, Sweep};
+use super::collision::Collision;
 use super::contact::Rect;
 use super::simulator::Simulator;
 
@@ -144,6 +145,22 @@ impl Images {
                     self.bodies.push(body as u32);
                 }
             }
+        }
+    }
+}
+
+impl Collision {
+    /// Whether two bodies are of two instances and a rule pairs them.
+    fn can_meet(&self, i: usize, j: usize) -> bool {
+        let (a, b) = (&self.bodies[i], &self.bodies[j]);
+        a.slot != b.slot && self.kinds[a.kind].sets[b.set].is_some()
+    }
+
+    /// Whether a body can meet any other with an effect.
+    fn meets_any(&self, body: usize) -> bool {
+        match &self.broad_phase {
+            BroadPhase::Listed(_) => true,
+            BroadPhase::Kinds(kinds) => kinds.meets[self.bodies[body].set],
         }
     }
 }

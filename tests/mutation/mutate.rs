@@ -181,6 +181,7 @@ const WORDS: &[&str] = &[
     "follow",
     "links",
     "bounds",
+    "wrap",
     "near",
     "x",
     "y",

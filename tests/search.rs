@@ -4,6 +4,7 @@
 
 mod support;
 
+mod around;
 mod border;
 mod cli;
 mod corpus;

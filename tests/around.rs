@@ -58,12 +58,16 @@ fn ask(program: &Arc<Program>, planner: Planner, hold: Option<(u16, u16)>, time:
 
 #[test]
 fn the_way_around_is_found() {
-    for goal in ["hero.x > 100", "near(hero, (112, 16), 8)", "near(hero, (304, 16), 8)", "hero touching wall and hero.x > 90"]
+    for goal in
+        ["hero.x > 100", "near(hero, (112, 16), 8)", "near(hero, (304, 16), 8)", "hero touching wall and hero.x > 90"]
     {
         let program = hall("wrap horizontal", goal);
-        for (planner, hold) in
-            [(Planner::Auto, None), (Planner::Exhaustive, Some((5, 5))), (Planner::DistanceGuided, None), (Planner::Rrt, None)]
-        {
+        for (planner, hold) in [
+            (Planner::Auto, None),
+            (Planner::Exhaustive, Some((5, 5))),
+            (Planner::DistanceGuided, None),
+            (Planner::Rrt, None),
+        ] {
             let outcome = ask(&program, planner, hold, None);
             assert!(matches!(outcome.verdict, Verdict::Reached(_)), "{goal}, {planner:?}: {:?}", outcome.verdict);
             // A lower bound of the time left must not cut it off: the way is 96 px long at most, 3.2 px a step.

@@ -61,7 +61,7 @@
 
 (defconst hyped--functions
   '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held" "released"
-    "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count"))
+    "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count" "received"))
 
 ;; Each is (BLOCK PIECE...): the kind of the enclosing block, or `any', and the pieces of a pattern whose groups are
 ;; keywords.
@@ -73,6 +73,8 @@
     (members "\\_<\\(always\\)[ \t\n]*{")
     (members "\\_<\\(follow\\)[ \t]+\\(links\\)\\_>[ \t]*\\(?:[^':= \t]\\|$\\)")
     (members start "\\(condition\\)[ \t]+" name "[ \t]*=\\(?:[^=]\\|$\\)")
+    (members start "\\(signal\\)[ \t]+" name)
+    (members start "\\(send\\)[ \t]+\\(?:\\(all\\)[ \t]+\\)?" name "[.]")
     (members "\\_<discrete[ \t]+" name "[ \t]*:[ \t]*\\(int\\|bool\\)\\_>")
     (members "\\_<envelope[ \t]+\\(?:" name "'*\\|([^)]*)\\)[ \t]+\\(by\\|fixed\\)\\_>")
     (members "\\_<\\(directions\\)[ \t]+\\w+[ \t]*\\(?:{\\|//\\|$\\)")

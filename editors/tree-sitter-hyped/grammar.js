@@ -80,7 +80,7 @@ module.exports = grammar({
       [$.group, $.mode, $.always, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
       [
         $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.collider, $.clamp, $.invariant,
-        $.condition, $.edge, $.follow, $.put, $.spawn, $.destroy, $.flow, $.update,
+        $.condition, $.signal, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
       ],
     ),
 
@@ -122,6 +122,8 @@ module.exports = grammar({
       ),
     ),
     condition: $ => seq('condition', field('name', $.identifier), '=', field('holds', $.expression)),
+    signal: $ => seq('signal', field('name', $.identifier), optional($.signal_number)),
+    signal_number: $ => seq('(', field('name', $.identifier), optional($.annotation), ')'),
     invariant: $ => seq('invariant', field('holds', $.expression)),
 
     group: $ => seq('group', field('name', $.identifier), field('body', $.block)),
@@ -140,7 +142,7 @@ module.exports = grammar({
     edge: $ => seq(choice($._guard, 'else'), optional($._target)),
     _edge_with_updates: $ => seq(choice($._guard, 'else'), optional($._target), field('updates', $.updates)),
     _target: $ => seq('->', field('target', $.path)),
-    updates: $ => block($, [], [$.spawn, $.destroy, $.update]),
+    updates: $ => block($, [], [$.spawn, $.destroy, $.send, $.update]),
     spawn: $ => seq(
       optional(seq(field('variable', alias($._member_variable, $.variable)), ':=')),
       'spawn',
@@ -148,6 +150,14 @@ module.exports = grammar({
       optional($.actuals),
     ),
     destroy: $ => seq('destroy', field('instance', choice($.self, $.identifier))),
+    send: $ => seq('send', choice($.all_of, $.address), optional($.sent)),
+    all_of: $ => seq('all', $.address),
+    address: $ => seq(
+      field('receiver', choice($.self, $.identifier, alias('all', $.identifier))),
+      token.immediate('.'),
+      field('signal', $.identifier),
+    ),
+    sent: $ => seq('(', field('number', $.expression), ')'),
     actuals: $ => seq('(', optional(commas($.actual)), ')'),
     actual: $ => seq(field('name', $.variable), '=', field('value', $.expression)),
     put: $ => seq('use', field('behavior', $.identifier), optional($.actuals)),
@@ -304,7 +314,7 @@ module.exports = grammar({
     variable: $ => seq($.identifier, optional($.primes)),
     // At the start of a statement, these names can also be keywords.
     _member_variable: $ => seq($._flowing_name, optional($.primes)),
-    _flowing_name: $ => choice($.identifier, ...['follow', 'initial', 'always', 'condition'].map((word) => alias(word, $.identifier))),
+    _flowing_name: $ => choice($.identifier, ...['follow', 'initial', 'always', 'condition', 'signal', 'send'].map((word) => alias(word, $.identifier))),
     primes: _ => token.immediate(/'+/),
     tags: $ => commas($.tag),
     tag: $ => choice($.identifier, $.text),

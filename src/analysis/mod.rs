@@ -75,6 +75,7 @@ use crate::ir::{ExprId, GoalId, IdVec, Program, SlotId, World, WorldId};
 use crate::watch::{Unwatched, Watch};
 
 use domain::configuration::Overall;
+use domain::received::Received;
 use fixpoint::Analysis;
 use fixpoint::counter_bounds::{self, Limits};
 use geometry::scene::Scene;
@@ -132,6 +133,7 @@ pub struct ConfigurationSpace {
     overall: IdVec<SlotId, Overall>,
     joined: Joined,
     surroundings: Surroundings,
+    received: Received,
     /// The result with players distinguished by place, if it was requested and possible.
     finer: Option<Box<ConfigurationSpace>>,
 }
@@ -282,6 +284,7 @@ impl ConfigurationSpace {
             slots: &self.overall,
             joined: &self.joined,
             surroundings: &self.surroundings,
+            received: &self.received,
             pinned: None,
             me,
             tested: None,

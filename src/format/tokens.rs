@@ -121,6 +121,7 @@ fn is_whole(rule: Rule) -> bool {
     matches!(
         rule,
         Rule::path
+            | Rule::address
             | Rule::variable
             | Rule::number
             | Rule::text
@@ -231,7 +232,7 @@ fn is_tight(before: &Token<'_>, rule: Rule, kind: Kind, parent: Rule) -> bool {
     let bound = match rule {
         Rule::comma | Rule::colon | Rule::range | Rule::caret | Rule::exponent | Rule::dimension_operator => true,
         Rule::open_paren => match parent {
-            Rule::call | Rule::shape | Rule::formals | Rule::actuals => true,
+            Rule::call | Rule::shape | Rule::formals | Rule::actuals | Rule::signal_number | Rule::sent => true,
             Rule::rectangle => before.rule == Rule::word_rect,
             _ => false,
         },

@@ -41,6 +41,7 @@ impl Entity {
             out.extend(spawn.params.iter().map(|(_, value)| *value));
             out.extend(spawn.updates.iter().map(|u| u.value));
         }
+        out.extend(self.sends.iter().filter_map(|send| send.value));
         out.extend(self.invariants.iter());
         out.extend(self.colliders.iter().filter_map(|c| c.guard));
         out
@@ -78,6 +79,8 @@ impl Expr {
             | Expr::Bool(_)
             | Expr::Param(..)
             | Expr::Joint(..)
+            | Expr::Received(_)
+            | Expr::Sum(_)
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)

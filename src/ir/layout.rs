@@ -1,7 +1,8 @@
 //! The layout of a state: one block of bytes, of a size known when the world is compiled.
 //!
 //! The players' buttons come first, then one block for each slot. Within a block the widest fields come first, so that
-//! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, contact bits.
+//! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, bits of contacts
+//! and signals.
 
 use std::sync::Arc;
 
@@ -31,6 +32,9 @@ pub struct SlotLayout {
     pub vars: usize,
     /// `f64`s: the parameters, where they may differ from one instance of the slot to the next.
     pub params: Option<usize>,
+    /// An `f64` for each number of a signal: the sum of what was sent in the last step.
+    #[serde(default)]
+    pub sums: usize,
     /// An `i32` for each discrete variable.
     pub discretes: usize,
     /// A `u32` for each timer: the steps since its mode was entered, 0 while the mode is not active.
@@ -51,6 +55,9 @@ pub struct SlotLayout {
     pub alive: usize,
     /// Bits from the lowest: whether each contact query held in the last collision phase.
     pub touches: usize,
+    /// Bits from the lowest: whether each signal was sent in the last step.
+    #[serde(default)]
+    pub signals: usize,
 }
 
 impl Layout {
@@ -70,18 +77,21 @@ impl Layout {
                 let start = take(0);
                 let vars = take(24 * e.vars.len());
                 let params = (!slot.is_fixed).then(|| take(8 * e.params.len()));
+                let sums = take(8 * e.sums.len());
                 let (discretes, timers) = (take(4 * e.discretes.len()), take(4 * e.timers.len()));
                 let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
                 let peaks = take(if peaked { 2 * e.envelopes.len() } else { 0 });
                 let (leaves, refs, bound) = (take(2 * e.groups.len()), take(2 * e.refs.len()), take(2 * e.bound));
                 let (space, carrier) = (take(2), take(2));
                 let (alive, touches) = (take(1), take(e.touches.len().div_ceil(8)));
+                let signals = take(e.signals.len().div_ceil(8));
                 let end = take(0);
                 take(end.next_multiple_of(8) - end);
                 SlotLayout {
                     block: (start, take(0)),
                     vars,
                     params,
+                    sums,
                     discretes,
                     timers,
                     leaves,
@@ -92,6 +102,7 @@ impl Layout {
                     carrier,
                     alive,
                     touches,
+                    signals,
                 }
             })
             .collect();

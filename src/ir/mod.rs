@@ -4,6 +4,7 @@
 //! the edges to try, for each world the slots with their initial values and the layout of a state. The simulator, the
 //! planners and all backends read only these tables.
 
+mod actions;
 mod arena;
 mod arithmetic;
 mod expressions;
@@ -26,12 +27,13 @@ mod transition;
 mod verify;
 mod world_tables;
 
+pub use actions::{Actions, RefUpdate, RefValue, Send, Signal, Spawn, Sum, Update};
 pub use arena::Arena;
 pub use arithmetic::{arithmetic, call, compare};
 pub use ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
-    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SlotId, SpaceId, SpawnId, TagId, TimerId,
-    TouchId, VarId, WorldId,
+    IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SendId, SignalId, SlotId, SpaceId, SpawnId,
+    SumId, TagId, TimerId, TouchId, VarId, WorldId,
 };
 pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, SlotLayout};
@@ -40,8 +42,8 @@ pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use period::Period;
 pub use program::{
-    Actions, By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs,
-    Leaf, Mode, Param, Program, RefUpdate, RefValue, Reference, Release, Shape, Spawn, TagSet, Timer, Touch, Update,
+    By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Inputs, Leaf,
+    Mode, Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,
 };
 pub use rare::RareVec;
 pub use spans::{EntitySpans, Spans, WorldSpans};

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Spans;
+use super::actions::{Actions, Send, Signal, Spawn, Sum};
 use super::{
     Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
-    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SlotId,
-    SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
+    FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Press, RareVec, RefId, SendId, Side,
+    SignalId, SlotId, SpaceId, SpawnId, Subject, SumId, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
 /// A compiled program.
@@ -107,6 +108,10 @@ pub enum Expr {
     Touching(Subject, TouchId),
     /// A mode of another group of the instance is entered (true) or left in this step.
     Joint(ModeId, bool),
+    /// A signal was sent to the instance in the step before.
+    Received(SignalId),
+    /// The sum of the numbers that were sent to the instance with a signal in the step before, 0 of none.
+    Sum(SumId),
     /// There is no such instance.
     IsNone(Subject),
     /// There is one, of this entity.
@@ -173,6 +178,15 @@ pub struct Entity {
     pub timers: RareVec<TimerId, Timer>,
     /// What is spawned on edges.
     pub spawns: RareVec<SpawnId, Spawn>,
+    /// Signals that it receives.
+    #[serde(default, skip_serializing_if = "RareVec::is_none")]
+    pub signals: RareVec<SignalId, Signal>,
+    /// The numbers that come with signals.
+    #[serde(default, skip_serializing_if = "RareVec::is_none")]
+    pub sums: RareVec<SumId, Sum>,
+    /// What it sends.
+    #[serde(default, skip_serializing_if = "RareVec::is_none")]
+    pub sends: RareVec<SendId, Send>,
     /// `follow links` of all modes.
     pub follows: RareVec<FollowId, Follow>,
     /// Soft bounds of variables.
@@ -392,67 +406,6 @@ pub struct Follow {
     pub actions: Actions,
     /// References that must not be none.
     pub needs: Vec<RefId>,
-}
-
-/// What happens on an edge, or when a mode is entered. All right sides read the state before the step.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Actions {
-    /// Variables that change.
-    pub updates: Vec<Update>,
-    /// References that change.
-    pub refs: Vec<RefUpdate>,
-    /// Instances that come to be.
-    pub spawns: Vec<SpawnId>,
-    /// Instances that cease to be.
-    pub destroys: Vec<RefValue>,
-}
-
-/// A reference gets a value.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct RefUpdate {
-    /// The reference.
-    pub reference: RefId,
-    /// What it refers to from now on.
-    pub value: RefValue,
-}
-
-/// An instance or none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum RefValue {
-    /// None.
-    None,
-    /// What a subject stands for, perhaps none.
-    Of(Subject),
-}
-
-/// A new instance takes the lowest free slot of its entity; `x`, `y` and the space are the spawner's where not given.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Spawn {
-    /// The entity.
-    pub entity: EntityId,
-    /// The spawner's reference that is set to it, or to none where no slot is free.
-    pub into: Option<RefId>,
-    /// Parameters that are given; the expressions are the spawner's.
-    pub params: Vec<(ParamId, ExprId)>,
-    /// Variables that are given.
-    pub updates: Vec<Update>,
-    /// References that are given.
-    pub refs: Vec<RefUpdate>,
-}
-
-/// An update; the right side reads the state before the step.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Update {
-    /// What is written.
-    pub place: Place,
-    /// The new value.
-    pub value: ExprId,
 }
 
 /// What drives a variable during the continuous phase.

@@ -21,6 +21,11 @@ impl<I, T> RareVec<I, T> {
     pub fn new() -> Self {
         Self::default()
     }
+
+    /// Whether there is no table, which takes no place in a file.
+    pub(super) fn is_none(&self) -> bool {
+        self.0.is_none()
+    }
 }
 
 // Operations that need no table if it is empty.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{
     Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Origin, Place, Press,
-    Program, Push, RefValue, Release, Response, Shape, Side, Subject, TagSet, World,
+    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Side, Subject, TagSet, World,
 };
 
 /// Formats a program.
@@ -228,8 +228,20 @@ impl EntityText<'_> {
         list.extend(actions.updates.iter().map(|u| format!("{} := {}", place(e, u.place), self.expr(u.value))));
         list.extend(actions.refs.iter().map(|r| format!("{} := {}", e.refs[r.reference].name, self.instance(r.value))));
         list.extend(actions.spawns.iter().map(ToString::to_string));
+        list.extend(actions.sends.iter().map(|send| self.send(*send)));
         list.extend(actions.destroys.iter().map(|d| format!("destroy {}", self.instance(*d))));
         if list.is_empty() { String::new() } else { format!(" {{ {} }}", list.join("; ")) }
+    }
+
+    fn send(&self, id: SendId) -> String {
+        let Send { to, entity, signal, value } = self.e.sends[id];
+        let of = &self.p.entities[entity];
+        let to = match to {
+            Some(subject) => self.instance(RefValue::Of(subject)),
+            None => format!("all {}", of.name),
+        };
+        let value = value.map_or(String::new(), |value| format!("({})", self.expr(value)));
+        format!("send {to}.{}{value}", of.signals[signal].name)
     }
 
     fn instance(&self, value: RefValue) -> String {
@@ -297,6 +309,11 @@ fn expression<'a>(
         }
         Expr::Joint(mode, entering) => {
             format!("{}({})", if entering { "entering" } else { "exiting" }, me().modes[mode].path)
+        }
+        Expr::Received(signal) => format!("received({})", me().signals[signal].name),
+        Expr::Sum(sum) => {
+            let signal = me().signals.iter().find(|signal| signal.sum == Some(sum));
+            format!("{}.{}", signal.map_or("", |signal| &signal.name), me().sums[sum].name)
         }
         Expr::IsNone(of) => format!("{} is none", owner(of).trim_end_matches('.')),
         Expr::Is(of, e) => format!("{} is {}", owner(of).trim_end_matches('.'), p.entities[e].name),

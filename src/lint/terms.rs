@@ -18,6 +18,7 @@ pub(super) fn of_actions(actions: &[Action]) -> Vec<&Term> {
             Action::Update(update) => out.push(&update.value),
             Action::Spawn(spawn) => out.extend(spawn.given.iter().map(|(_, term)| term)),
             Action::Destroy(term) => out.push(term),
+            Action::Send(send) => out.extend(send.to.iter().chain(&send.number)),
         }
     }
     out

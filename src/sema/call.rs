@@ -18,6 +18,7 @@ use super::names::unknown;
 pub(crate) const FUNCTIONS: &[&str] = &[
     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "mod", "if",
     "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "count",
+    "received",
 ];
 
 impl Checker<'_> {
@@ -126,6 +127,7 @@ impl Checker<'_> {
             }
             "near" => return self.near(arguments, span, scope, wrong),
             "count" => return self.count(arguments, span, scope, wrong),
+            "received" => return self.received(arguments, span, scope),
             "inside" => {
                 let [subject, space] = arguments else {
                     wrong(self, "`inside(instance, space)`");

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SlotId, SpaceId, Subject, TagId, TouchId, VarId,
-    WorldId,
+    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SignalId, SlotId, SpaceId, Subject, SumId, TagId,
+    TouchId, VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;
@@ -161,6 +161,10 @@ pub enum TermKind {
         /// Entered, not left.
         entering: bool,
     },
+    /// A signal of the entity was sent to the instance in the step before.
+    Received(SignalId),
+    /// The sum of the numbers that came with a signal.
+    Sum(SumId),
     /// The reference is none.
     IsNone(Subject),
     /// The reference is to an instance of an entity.
@@ -212,6 +216,10 @@ pub struct Entity {
     pub discretes: RareVec<DiscreteId, Discrete>,
     /// References.
     pub refs: RareVec<RefId, Reference>,
+    /// Signals that it receives.
+    pub signals: RareVec<SignalId, Signal>,
+    /// The numbers that come with signals.
+    pub sums: RareVec<SumId, Sum>,
     /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
     /// Buttons that it reads.
@@ -263,6 +271,33 @@ pub struct Reference {
     pub name: Name,
     /// The entity of its targets; `None` for any.
     pub entity: Option<EntityId>,
+}
+
+/// A signal.
+#[derive(Debug, Clone)]
+pub struct Signal {
+    /// Its name.
+    pub name: Name,
+    /// The number that comes with it.
+    pub number: Option<SumId>,
+}
+
+/// The number of a signal, added up over all that is sent in a step.
+#[derive(Debug, Clone)]
+pub struct Sum {
+    /// Its name.
+    pub name: Name,
+    /// Its dimension; a number without one is whole.
+    pub dimension: Option<Annotation>,
+    /// The signal.
+    pub signal: SignalId,
+}
+
+impl Sum {
+    /// The type of what is sent, and of the sum.
+    pub fn ty(&self) -> Type {
+        if self.dimension.is_some() { Type::Real } else { Type::Int }
+    }
 }
 
 /// A contact query bound by `as`.
@@ -490,6 +525,8 @@ pub enum Action {
     Spawn(Spawn),
     /// Destroys an instance.
     Destroy(Term),
+    /// Sends a signal.
+    Send(Send),
 }
 
 /// `into := spawn Entity(…)`
@@ -501,6 +538,21 @@ pub struct Spawn {
     pub entity: EntityId,
     /// Given parameters and initial values; the terms belong to the spawner.
     pub given: Vec<(Given, Term)>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `send reference.signal(number)`
+#[derive(Debug, Clone)]
+pub struct Send {
+    /// The receiver; `None` for all instances of the entity.
+    pub to: Option<Term>,
+    /// The entity of the receivers.
+    pub entity: EntityId,
+    /// Its signal.
+    pub signal: SignalId,
+    /// The number that comes with it.
+    pub number: Option<Term>,
     /// The whole.
     pub span: Span,
 }

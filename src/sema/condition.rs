@@ -256,7 +256,7 @@ impl Checker<'_> {
         let outer_needs = std::mem::take(&mut conditions.needs);
         // What is known at the first use is not known at the others.
         let outer_facts = std::mem::take(&mut self.facts);
-        let scope = Scope { mode, covered: false, reads: ReadLimit::All, ..*scope };
+        let scope = Scope { mode, covered: false, reads: ReadLimit::Edges, ..*scope };
         let term = self.guard(&value, &scope);
         self.facts = outer_facts;
         let mut needs = std::mem::replace(&mut self.conditions.needs, outer_needs);

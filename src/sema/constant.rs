@@ -80,6 +80,8 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Consta
         TermKind::Param(..)
         | TermKind::Var(..)
         | TermKind::Joint { .. }
+        | TermKind::Received(_)
+        | TermKind::Sum(_)
         | TermKind::IsNone(_)
         | TermKind::Is(..)
         | TermKind::Alive(_)

@@ -6,7 +6,7 @@
 
 mod report;
 
-use crate::ir::{Arithmetic, EntityId, Function, ParamId, Place, SlotId, Subject, VarId};
+use crate::ir::{Arithmetic, EntityId, Function, ParamId, Place, SlotId, Subject, SumId, VarId};
 
 use std::collections::BTreeMap;
 
@@ -379,6 +379,7 @@ impl Solver<'_> {
                 Some(base.plus(&Dim::known(0, -i64::from(*degree)), Ratio::ONE))
             }
             TermKind::Discrete(..) | TermKind::Axis(_) => Some(Dim::known(0, 0)),
+            TermKind::Sum(sum) => Some(self.of_sum(context.me?, *sum)),
             TermKind::Negate(a) => self.dimension(a, context),
             TermKind::Arithmetic(Arithmetic::Add, sides) => {
                 let [a, b] = sides.as_ref();
@@ -455,6 +456,7 @@ impl Solver<'_> {
             TermKind::Button(..)
             | TermKind::Touching(_)
             | TermKind::Joint { .. }
+            | TermKind::Received(_)
             | TermKind::IsNone(_)
             | TermKind::Is(..)
             | TermKind::Alive(_)
@@ -491,6 +493,12 @@ impl Solver<'_> {
         }
     }
 
+    /// The dimension of the number of a signal: as declared, else that of a whole number.
+    fn of_sum(&self, entity: EntityId, sum: SumId) -> Dim {
+        let declared = self.program.entities[entity].sums[sum].dimension;
+        declared.map_or(Dim::known(0, 0), |a| Dim::known(i64::from(a.px), i64::from(a.s)))
+    }
+
     /// The dimension of a variable or one of its derivatives.
     fn derivative(&mut self, id: EntityId, var: VarId, degree: u8) -> Dim {
         self.name(Named::Var(id, var)).plus(&Dim::known(0, -i64::from(degree)), Ratio::ONE)
@@ -514,6 +522,13 @@ impl Solver<'_> {
                     },
                     Action::Spawn(spawn) => this.given(spawn.entity, &spawn.given, &context),
                     Action::Destroy(_) => {}
+                    Action::Send(send) => {
+                        let sum = this.program.entities[send.entity].signals[send.signal].number;
+                        if let (Some(sum), Some(number)) = (sum, &send.number) {
+                            let needed = this.of_sum(send.entity, sum);
+                            this.place(number, &needed, &context);
+                        }
+                    }
                 }
             }
         };

@@ -10,7 +10,7 @@ use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, OutOfRange};
 use crate::ir::{
     AxisId, ButtonId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, ModeId, ParamId, RareVec, RefId,
-    VarId,
+    SignalId, VarId,
 };
 use crate::source::Span;
 use crate::syntax::ast::{self, ALWAYS, Domain, Expr, Initial, Member, Name, Word};
@@ -33,6 +33,7 @@ pub(super) struct Skeleton {
     pub vars: Table<VarId>,
     pub discretes: Table<DiscreteId>,
     pub refs: Table<RefId>,
+    pub signals: Table<SignalId>,
     pub buttons: Table<ButtonId>,
     pub axes: Table<AxisId>,
     pub modes: ModeNames,
@@ -68,6 +69,7 @@ impl Skeleton {
             vars: Table::of("variable", entity.vars.iter().map(|var| &var.name)),
             discretes: Table::of("variable", entity.discretes.iter().map(|discrete| &discrete.name)),
             refs: Table::of("reference", entity.refs.iter().map(|reference| &reference.name)),
+            signals: Table::of("signal", entity.signals.iter().map(|signal| &signal.name)),
             buttons: Table::of("button", entity.buttons.iter()),
             axes: Table::of("axis", entity.axes.iter()),
             modes: ModeNames::of(entity),
@@ -80,7 +82,8 @@ impl Skeleton {
         let param = self.params.entry(name).map(|(known, _)| known);
         let known = param.or_else(|| self.vars.entry(name).map(|(known, _)| known));
         let known = known.or_else(|| self.discretes.entry(name).map(|(known, _)| known));
-        known.or_else(|| self.refs.entry(name).map(|(known, _)| known)).map(|known| known.span)
+        let known = known.or_else(|| self.refs.entry(name).map(|(known, _)| known));
+        known.or_else(|| self.signals.entry(name).map(|(known, _)| known)).map(|known| known.span)
     }
 }
 
@@ -94,6 +97,8 @@ impl Checker<'_> {
             vars: IdVec::new(),
             discretes: RareVec::new(),
             refs: RareVec::new(),
+            signals: RareVec::new(),
+            sums: RareVec::new(),
             bound: RareVec::new(),
             buttons: RareVec::new(),
             axes: RareVec::new(),
@@ -166,6 +171,11 @@ impl Checker<'_> {
                     };
                     let id = entity.refs.push(Reference { name: r.name.clone(), entity: entity_id });
                     names.refs.declare(&r.name, id, &mut self.diagnostics);
+                }
+                Member::Signal(signal) => {
+                    if self.is_new_value(&signal.name, &mut values) {
+                        self.signal(*signal, &mut entity);
+                    }
                 }
                 Member::Buttons(list) => {
                     for name in &list.0 {
@@ -421,11 +431,13 @@ impl Checker<'_> {
                 ast::Update::Assign(a) => (a.span(), "an update"),
                 ast::Update::Spawn(s) => (s.span, "a `spawn`"),
                 ast::Update::Destroy(d) => (d.span, "a `destroy`"),
+                ast::Update::Send(s) => (s.span, "a `send`"),
             },
             Member::Reference(r) => (r.name.span, "a `ref`"),
             Member::Clamp(c) => (c.span, "a `clamp`"),
             Member::Invariant(i) => (i.span, "an `invariant`"),
             Member::Condition(c) => (c.name.span, "a `condition`"),
+            Member::Signal(s) => (s.span, "a `signal`"),
             Member::Follow(f) => (f.span, "`follow links`"),
             Member::Use(u) => (u.span, "a `use`"),
             Member::Edge(e) => (e.span, "an edge"),

@@ -47,8 +47,10 @@ pub(super) enum ReadLimit {
     Params,
     /// Everything except inputs and contacts.
     State,
-    /// Everything.
+    /// Everything except signals.
     All,
+    /// Everything: what edges read.
+    Edges,
 }
 
 impl ReadLimit {
@@ -56,7 +58,7 @@ impl ReadLimit {
         match self {
             ReadLimit::Constants => ("this value", "literals and constants"),
             ReadLimit::Params => ("this value", "literals, constants and parameters"),
-            ReadLimit::State | ReadLimit::All => {
+            ReadLimit::State | ReadLimit::All | ReadLimit::Edges => {
                 ("a collider's shape and guard", "variables, parameters, modes and timers")
             }
         }
@@ -385,7 +387,10 @@ impl Checker<'_> {
                 inside: "a world's predicate",
                 belongs: "in an entity; a predicate reads instances, such as `hero.x` or `hero in dead`",
             });
-        } else if scope.reads == ReadLimit::All {
+        } else if needs == ReadLimit::Edges && scope.reads >= ReadLimit::State {
+            let inside = "what flows, colliders and invariants read";
+            self.diagnostics.report(Misplaced { at, what, inside, belongs: "in the guard or an update of an edge" });
+        } else if scope.reads >= ReadLimit::All {
             let (inside, belongs) = if scope.entity.is_some() && scope.mode.is_none() && needs == ReadLimit::State {
                 ("an entity outside of its modes", "inside a mode, or names one: `timer(MODE)`")
             } else {
@@ -404,8 +409,9 @@ impl Checker<'_> {
         let [name, rest @ ..] = &*path.segments else {
             return None;
         };
-        if let [second, ..] = rest {
-            return self.member(path, name, second, span, scope);
+        if let [second, rest @ ..] = rest {
+            let signal = rest.is_empty().then(|| self.signal_member(path, [name, second], span, scope)).flatten();
+            return signal.unwrap_or_else(|| self.member(path, name, second, span, scope));
         }
         if let (Some(&Type::Set(set)), 0) = (wanted, path.primes)
             && let Some(index) = self.sets[set].names.iter().position(|v| *v == name.text)
@@ -467,6 +473,9 @@ impl Checker<'_> {
                 expected: wanted.map_or("a value".into(), |ty| self.described(*ty)),
                 help: Some(format!("`{0}.x` reads it, `{0} in MODE` and `{0} touching TAG` ask it", name.text)),
             });
+            return None;
+        }
+        if self.signal_as_value(name, scope) {
             return None;
         }
         let meant = self.condition_elsewhere(&name.text, scope).or_else(|| suggestion(&name.text, scope));

@@ -170,7 +170,7 @@ impl<'t> Search<'t> {
                             }
                         }
                     }
-                    Update::Assign(_) | Update::Destroy(_) => {}
+                    Update::Assign(_) | Update::Destroy(_) | Update::Send(_) => {}
                 }
             }
         }

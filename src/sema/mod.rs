@@ -29,6 +29,7 @@ mod population;
 mod predicate;
 mod record_uses;
 mod reference;
+mod signal;
 mod unused;
 mod world;
 mod wrap;

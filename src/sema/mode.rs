@@ -173,6 +173,7 @@ impl Checker<'_> {
         entity: &mut Entity,
         tested: &mut Vec<Vec<RefId>>,
     ) {
+        let edges = &scope.reading(ReadLimit::Edges);
         if let Initial::When(guard) = &syntax.initial {
             entity.modes[id].initial_when = self.guard(guard, &scope.reading(ReadLimit::Params));
         }
@@ -197,25 +198,25 @@ impl Checker<'_> {
                 Member::Envelope(envelope) => self.envelope(&envelope, scope, entity, Some(id)),
                 Member::Entry(update) => {
                     // Entry actions read the state before the edge, when the mode was not active.
-                    let scope = Scope { covered: false, ..*scope };
+                    let scope = Scope { covered: false, ..*edges };
                     self.action(&update, &scope, &mut entity.modes[id].entry);
                 }
                 Member::Edge(edge) => {
                     let has_else = edge.guard.kind != ExprKind::Else && members.peek().is_some_and(is_else);
                     let mark = self.facts.mark();
-                    let guard = self.edge_guard(&edge.guard, before, scope);
+                    let guard = self.edge_guard(&edge.guard, before, edges);
                     if has_else {
                         let negation = guard.clone().map(|when| (when, self.facts.needs.clone()));
                         otherwise = negation.map_or(Otherwise::Unreadable, |(when, needs)| Otherwise::Of(when, needs));
                     }
-                    if let Some((edge, tests)) = self.edge(*edge, (guard, mark), id, scope) {
+                    if let Some((edge, tests)) = self.edge(*edge, (guard, mark), id, edges) {
                         let edge: EdgeId = entity.edges.push(edge);
                         entity.modes[id].edges.push(edge);
                         tested.push(tests);
                     }
                 }
                 Member::Follow(follow) => {
-                    if let Some(follow) = self.follow(&follow, scope) {
+                    if let Some(follow) = self.follow(&follow, edges) {
                         entity.modes[id].follows.push(follow);
                     }
                 }
@@ -344,12 +345,13 @@ impl Checker<'_> {
         Some(Follow { guard, actions, needs, span: follow.span })
     }
 
-    /// Adds an update, a `spawn` or a `destroy` to the actions of an edge or entry.
+    /// Adds an update, a `spawn`, a `destroy` or a `send` to the actions of an edge or entry.
     fn action(&mut self, update: &ast::Update, scope: &Scope<'_>, before: &mut Vec<Action>) {
         let action = match update {
             ast::Update::Assign(assignment) => self.update(assignment, scope).map(Action::Update),
             ast::Update::Spawn(spawn) => self.spawn(spawn, scope).map(Action::Spawn),
             ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::AnyRef).map(Action::Destroy),
+            ast::Update::Send(send) => self.send(send, scope).map(Action::Send),
         };
         before.extend(action);
     }
@@ -433,6 +435,15 @@ impl Checker<'_> {
             });
             return None;
         }
+        if names.signals.get(&name.text).is_some() {
+            self.diagnostics.report(TypeMismatch {
+                at: update.variable.span,
+                found: "a signal".into(),
+                expected: "a variable".into(),
+                help: Some(format!("`send self.{}` sends it to this instance", name.text)),
+            });
+            return None;
+        }
         if names.params.get(&name.text).is_some() {
             self.diagnostics.report(TypeMismatch {
                 at: update.variable.span,
@@ -480,6 +491,6 @@ fn written(action: &Action) -> Option<(Place, Span)> {
     match action {
         Action::Update(update) => Some((update.place, update.span)),
         Action::Spawn(spawn) => spawn.into.map(|into| (Place::Ref(into), spawn.span)),
-        Action::Destroy(_) => None,
+        Action::Destroy(_) | Action::Send(_) => None,
     }
 }

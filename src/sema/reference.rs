@@ -307,7 +307,7 @@ fn sets(edge: &Edge, reference: RefId) -> bool {
     edge.actions.iter().any(|action| match action {
         Action::Update(u) => u.place == Place::Ref(reference) && u.value.kind != TermKind::NoneRef,
         Action::Spawn(s) => s.into == Some(reference),
-        Action::Destroy(_) => false,
+        Action::Destroy(_) | Action::Send(_) => false,
     })
 }
 

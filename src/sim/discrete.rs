@@ -4,7 +4,9 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Place, SlotId, Transition, Update};
+use crate::ir::{
+    Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Place, Send, SendId, SlotId, Transition, Update,
+};
 
 use super::actor::{Actor, Plan};
 use super::evaluate::Reader;
@@ -39,9 +41,11 @@ impl Simulator {
         Self::check_fault(&fault)?;
         // In most steps no edge is taken, and no copy of the state is needed.
         if acting.is_empty() {
+            self.clear_signals(state);
             return Ok(());
         }
         before.copy_from_slice(state);
+        self.clear_signals(state);
         for &ActingGroup { slot, group, choice } in acting.iter() {
             let actor = &self.actors[slot.index()];
             let reader = self.reader(actor, before, frames, &taken[actor.groups.clone()], &fault);
@@ -166,9 +170,44 @@ impl Simulator {
             }
             changes.spawn(reader.me, spawn, into);
         }
+        for &send in &actions.sends {
+            self.send(state, reader, send);
+        }
         for &what in &actions.destroys {
             if let Some(target) = reader.reference(what) {
                 changes.destroy(target);
+            }
+        }
+    }
+
+    /// Forgets the signals of the step before.
+    #[inline]
+    fn clear_signals(&self, state: &mut [u8]) {
+        for &slot in &self.receivers {
+            let entity = self.entity(slot);
+            self.layout(slot).clear_signals(state, entity.signals.len(), entity.sums.len());
+        }
+    }
+
+    /// Sends a signal to those that are alive at the start of the step.
+    #[inline(never)]
+    fn send(&self, state: &mut [u8], reader: &Reader<'_>, send: SendId) {
+        let Send { to, entity, signal, value } = self.entity(reader.me).sends[send];
+        let value = value.map(|value| (value, reader.number(value)));
+        let one = to.map(|to| reader.instance(to));
+        let is_receiver = |slot: &SlotId| {
+            one.is_none_or(|one| one == Some(*slot))
+                && self.world().slots[*slot].entity == entity
+                && self.layout(*slot).acts(reader.state)
+        };
+        for &slot in self.receivers.iter().filter(|slot| is_receiver(slot)) {
+            let layout = self.layout(slot);
+            layout.set_signal(state, signal);
+            if let (Some((at, value)), Some(id)) = (value, self.entity(slot).signals[signal].sum) {
+                let value = if self.entity(slot).sums[id].is_whole { value.round() } else { value };
+                let sum = layout.sum(state, id);
+                let total = reader.checked(at, sum + value, [sum, value]);
+                layout.set_sum(state, id, total);
             }
         }
     }

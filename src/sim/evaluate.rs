@@ -102,7 +102,7 @@ impl<'a> Reader<'a> {
         self.actor.and_then(|a| a.player).and_then(|p| self.frames.get(p))
     }
 
-    fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
+    pub fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
         if value.is_finite() {
             return value;
         }
@@ -181,6 +181,7 @@ impl<'a> Reader<'a> {
                 self.layout(of, id).map_or(0.0, |l| f64::from(l.discrete(self.state, discrete)))
             }
             Expr::Axis(axis) => self.axis(axis),
+            Expr::Sum(sum) => self.own_layout().sum(self.state, sum),
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Negate(a) => -self.number(a),
@@ -209,6 +210,7 @@ impl<'a> Reader<'a> {
             | Expr::Button(..)
             | Expr::Touching(..)
             | Expr::Joint(..)
+            | Expr::Received(_)
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)
@@ -251,6 +253,7 @@ impl<'a> Reader<'a> {
             Expr::Button(press, button) => self.button(press, button),
             Expr::Touching(of, touch) => self.instance(of).is_some_and(|s| self.sim.layout(s).touch(self.state, touch)),
             Expr::Joint(mode, entering) => self.joint(mode, entering),
+            Expr::Received(signal) => self.own_layout().signal(self.state, signal),
             Expr::IsNone(of) => self.instance(of).is_none(),
             Expr::Is(of, entity) => self.instance(of).is_some_and(|s| self.sim.world().slots[s].entity == entity),
             Expr::Alive(slot) => self.sim.layout(slot).alive(self.state),
@@ -276,6 +279,7 @@ impl<'a> Reader<'a> {
             | Expr::Var(..)
             | Expr::Discrete(..)
             | Expr::Axis(_)
+            | Expr::Sum(_)
             | Expr::Timer(_)
             | Expr::Frames(_)
             | Expr::Negate(_)

@@ -37,6 +37,8 @@ pub struct Simulator {
     pub(super) moves_independently: bool,
     /// Whether anything can be destroyed or spawned.
     lives_change: bool,
+    /// The slots that receive signals.
+    pub(super) receivers: Vec<SlotId>,
     /// The buttons stored in a state: only for these, a guard reads presses or releases.
     pub(super) remembered: u64,
     /// Cost of evaluating all code once, in units of work.
@@ -108,6 +110,11 @@ impl Simulator {
             pools: program.entities.ids().map(|entity| Pool::new(world, entity)).collect(),
             actors,
             lives_change,
+            receivers: world
+                .slots
+                .ids()
+                .filter(|slot| !program.entities[world.slots[*slot].entity].signals.is_empty())
+                .collect(),
             remembered: remembered(program),
             cost: cost as u64,
         }

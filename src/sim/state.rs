@@ -2,7 +2,8 @@
 //! so a state can be moved between machines.
 
 use crate::ir::{
-    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SlotId, SlotLayout, SpaceId, TimerId, TouchId, VarId,
+    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SignalId, SlotId, SlotLayout, SpaceId, SumId, TimerId,
+    TouchId, VarId,
 };
 
 /// The life cycle of a slot.
@@ -165,6 +166,37 @@ impl SlotLayout {
     #[inline]
     pub fn set_discrete(&self, state: &mut [u8], id: DiscreteId, value: i32) {
         store(state, self.discretes + 4 * id.index(), value.to_le_bytes());
+    }
+
+    /// The sum of what was sent with a signal in the last step.
+    #[inline]
+    pub fn sum(&self, state: &[u8], id: SumId) -> f64 {
+        real(state, self.sums + 8 * id.index())
+    }
+
+    /// Writes the sum of what was sent with a signal.
+    #[inline]
+    pub fn set_sum(&self, state: &mut [u8], id: SumId, value: f64) {
+        set_real(state, self.sums + 8 * id.index(), one_zero(value));
+    }
+
+    /// Whether a signal was sent in the last step.
+    #[inline]
+    pub fn signal(&self, state: &[u8], id: SignalId) -> bool {
+        state[self.signals + id.index() / 8] >> (id.index() % 8) & 1 == 1
+    }
+
+    /// Notes that a signal was sent.
+    #[inline]
+    pub fn set_signal(&self, state: &mut [u8], id: SignalId) {
+        state[self.signals + id.index() / 8] |= 1 << (id.index() % 8);
+    }
+
+    /// Forgets what was sent with some numbers of signals.
+    #[inline]
+    pub(super) fn clear_signals(&self, state: &mut [u8], signals: usize, sums: usize) {
+        state[self.sums..self.sums + 8 * sums].fill(0);
+        state[self.signals..self.signals + signals.div_ceil(8)].fill(0);
     }
 
     /// A timer's count of steps.

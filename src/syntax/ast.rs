@@ -147,6 +147,8 @@ pub enum Member {
     Invariant(Box<Invariant>),
     /// `condition name = predicate`
     Condition(Box<Condition>),
+    /// `signal name(number)`
+    Signal(Box<Signal>),
     /// `x' := e` at the head of a mode
     Entry(Box<Update>),
     /// `when guard -> target { … }`
@@ -197,6 +199,17 @@ pub struct Condition {
     pub name: Name,
     /// What it stands for.
     pub value: Expr,
+    /// The whole.
+    pub span: Span,
+}
+
+/// `signal name`, `signal name(number)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Its name.
+    pub name: Name,
+    /// The number that is sent with it, and its dimension if given.
+    pub number: Option<(Name, Option<Dimension>)>,
     /// The whole.
     pub span: Span,
 }
@@ -346,6 +359,8 @@ pub enum Update {
     Spawn(Box<Spawn>),
     /// `destroy self`, `destroy reference`
     Destroy(Box<Destroy>),
+    /// `send reference.signal(number)`
+    Send(Box<Send>),
 }
 
 /// `into := spawn Entity(settings)`
@@ -368,6 +383,28 @@ pub struct Destroy {
     pub what: Expr,
     /// The whole.
     pub span: Span,
+}
+
+/// `send reference.signal(number)`, `send all Entity.signal`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Send {
+    /// Who gets it.
+    pub to: Receivers,
+    /// The signal, of the receiver's entity.
+    pub signal: Name,
+    /// The number that is sent with it.
+    pub number: Option<Expr>,
+    /// The whole.
+    pub span: Span,
+}
+
+/// Who gets a signal.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Receivers {
+    /// `self`, or what a reference refers to.
+    One(Expr),
+    /// All instances of an entity.
+    All(Name),
 }
 
 /// `when guard -> target { updates }`

@@ -16,7 +16,8 @@ use crate::source::{FileId, Span};
 use super::ast::{
     ALWAYS, Assignment, Behavior, BinaryOp, Clamp, Collider, Constant, Continuous, Destroy, Dimension, Discrete,
     Domain, Edge, Entity, Envelope, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member,
-    Mode, Name, Path, Ramp, RampKind, Rate, Reference, Spawn, Update, Use, Variable, Word, World,
+    Mode, Name, Path, Ramp, RampKind, Rate, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word,
+    World,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
@@ -408,7 +409,7 @@ impl<'a> Builder<'a> {
                     Member::Entry(Update::Assign(assignment.into()).into())
                 }
             }
-            Rule::spawn | Rule::destroy => Member::Entry(self.update(pair)?.into()),
+            Rule::spawn | Rule::destroy | Rule::send => Member::Entry(self.update(pair)?.into()),
             Rule::reference => {
                 let (name, entity) = (self.name(inner.first()?), self.name(inner.get(1)?));
                 Member::Reference(Reference { name, entity }.into())
@@ -431,6 +432,18 @@ impl<'a> Builder<'a> {
                 Member::Invariant(Invariant { predicate: self.expression(inner.first()?)?, span }.into())
             }
             Rule::condition => Member::Condition(self.condition(pair)?.into()),
+            Rule::signal => {
+                let number = match inner.iter().find(|p| p.as_rule() == Rule::signal_number) {
+                    Some(number) => {
+                        let of = parts(number);
+                        let annotation = of.iter().find(|p| p.as_rule() == Rule::annotation);
+                        let name = of.iter().find(|p| p.as_rule() == Rule::name)?;
+                        Some((self.name(name), annotation.and_then(|p| self.dimension(p))))
+                    }
+                    None => None,
+                };
+                Member::Signal(Signal { name: self.name(inner.first()?), number, span }.into())
+            }
             Rule::put => {
                 let arguments = match inner.get(1) {
                     Some(actuals) => self.actuals(actuals)?,
@@ -520,6 +533,24 @@ impl<'a> Builder<'a> {
                     _ => ExprKind::Name(self.name(what).text, 0),
                 };
                 Update::Destroy(Destroy { what: Expr { kind, span: at }, span }.into())
+            }
+            Rule::send => {
+                let to = inner.first()?;
+                let all = (to.as_rule() == Rule::all_of).then(|| parts(to).into_iter().next()).flatten();
+                let address: Vec<_> = parts(all.as_ref().unwrap_or(to));
+                let [of, signal] = address.as_slice() else { return None };
+                let (at, name) = (self.span_of(of), self.name(of));
+                let to = match of.as_rule() {
+                    _ if all.is_some() => Receivers::All(name),
+                    Rule::kw_self => Receivers::One(Expr { kind: ExprKind::SelfRef, span: at }),
+                    _ => Receivers::One(Expr { kind: ExprKind::Name(name.text, 0), span: at }),
+                };
+                let signal = self.name(signal);
+                let number = match inner.iter().find(|p| p.as_rule() == Rule::sent) {
+                    Some(sent) => Some(self.expression(parts(sent).iter().find(|p| p.as_rule() == Rule::expression)?)?),
+                    None => None,
+                };
+                Update::Send(Send { to, signal, number, span }.into())
             }
             _ => Update::Assign(self.assignment(pair)?.into()),
         })

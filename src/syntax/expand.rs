@@ -300,6 +300,7 @@ fn note_members(members: &[Member], occurrences: &mut Occurrences) {
             Member::Buttons(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Button, n.span)),
             Member::Axes(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Axis, n.span)),
             Member::Condition(c) => occurrences.declare(NameKind::Condition, c.name.span),
+            Member::Signal(s) => occurrences.declare(NameKind::Signal, s.name.span),
             Member::Group(group) => {
                 occurrences.declare(NameKind::Group, group.name.span);
                 note_members(&group.members, occurrences);

@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(opening_keywords("good_ramp"), ["attack", "decay", "sustain", "release", "while"]);
         assert_eq!(opening_keywords("collider"), ["kinematic", "collider"]);
         assert_eq!(opening_keywords("mode"), ["initial", "mode"]);
-        assert_eq!(opening_keywords("good_update"), ["spawn", "destroy"]);
+        assert_eq!(opening_keywords("good_update"), ["spawn", "destroy", "send"]);
         assert_eq!(opening_keywords("good_space_item"), ["map", "place", "link", "rect", "bounds", "wrap"]);
         let world = ["step", "collide", "tiles", "space", "limit", "player", "condition", "goal", "never"];
         assert_eq!(opening_keywords("good_world_item"), world);

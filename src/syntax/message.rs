@@ -274,6 +274,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::parameter
             | R::edge
             | R::destroy
+            | R::send
             | R::decay
             | R::attack
             | R::sustain
@@ -287,6 +288,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::player
             | R::goal
             | R::condition
+            | R::signal
             | R::never
             | R::map
             | R::place

@@ -30,6 +30,10 @@ pub enum NameKind {
     Value,
     /// `condition`
     Condition,
+    /// `signal`
+    Signal,
+    /// The number of a signal.
+    SignalNumber,
     /// `ref`
     Reference,
     /// An instance bound by `as`.

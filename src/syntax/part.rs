@@ -126,6 +126,8 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_player
             | R::word_goal
             | R::word_condition
+            | R::word_signal
+            | R::word_send
             | R::word_never
             | R::word_map
             | R::word_place
@@ -163,6 +165,7 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "never",
         "map",
         "condition",
+        "signal",
     ];
     const OTHER: &[&str] =
         &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];

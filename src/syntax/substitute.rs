@@ -3,7 +3,8 @@
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Constant, Domain, Expr, ExprKind, Initial, Member, Name, Path, RampKind, Rate, Update, Variable,
+    Assignment, Constant, Dimension, Domain, Expr, ExprKind, Initial, Member, Name, Path, RampKind, Rate, Receivers,
+    Update, Variable,
 };
 use super::scan::MAX_OPERATORS;
 
@@ -67,10 +68,7 @@ impl Substitution {
             Member::Parameter(p) => self.constant(p),
             Member::Continuous(c) => {
                 self.name(&mut c.name);
-                if let Some(d) = &mut c.dimension {
-                    self.span(&mut d.span);
-                    d.factors.iter_mut().for_each(|(n, _)| self.name(n));
-                }
+                c.dimension.iter_mut().for_each(|d| self.dimension(d));
                 c.initial.iter_mut().for_each(|e| self.whole(e));
             }
             Member::Discrete(d) => {
@@ -127,6 +125,14 @@ impl Substitution {
                 self.whole(&mut c.value);
                 self.span(&mut c.span);
             }
+            Member::Signal(s) => {
+                self.name(&mut s.name);
+                if let Some((name, dimension)) = &mut s.number {
+                    self.name(name);
+                    dimension.iter_mut().for_each(|d| self.dimension(d));
+                }
+                self.span(&mut s.span);
+            }
             Member::Flow(a) => self.assignment(a),
             Member::Entry(u) => self.update(u),
             Member::Edge(e) => {
@@ -160,11 +166,13 @@ impl Substitution {
 
     fn constant(&mut self, constant: &mut Constant) {
         self.name(&mut constant.name);
-        if let Some(d) = &mut constant.dimension {
-            self.span(&mut d.span);
-            d.factors.iter_mut().for_each(|(n, _)| self.name(n));
-        }
+        constant.dimension.iter_mut().for_each(|d| self.dimension(d));
         self.whole(&mut constant.value);
+    }
+
+    fn dimension(&mut self, dimension: &mut Dimension) {
+        self.span(&mut dimension.span);
+        dimension.factors.iter_mut().for_each(|(name, _)| self.name(name));
     }
 
     fn assignment(&mut self, a: &mut Assignment) {
@@ -184,6 +192,15 @@ impl Substitution {
             Update::Destroy(d) => {
                 self.whole(&mut d.what);
                 self.span(&mut d.span);
+            }
+            Update::Send(s) => {
+                match &mut s.to {
+                    Receivers::One(of) => self.whole(of),
+                    Receivers::All(entity) => self.name(entity),
+                }
+                self.name(&mut s.signal);
+                s.number.iter_mut().for_each(|e| self.whole(e));
+                self.span(&mut s.span);
             }
         }
     }

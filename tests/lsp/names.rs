@@ -142,6 +142,28 @@ fn conditions_have_names() {
 }
 
 #[test]
+fn signals_have_names() {
+    let text = "entity Ship {
+    /// What is won.
+    signal score(points)
+    discrete total: int 0..99 = 0
+    mode m { when received(score) { total += score.points } }
+}
+entity Mine { ref by: Ship; mode m { when timer > 1s { send by.score(3); send all Ship.score(1) } } }
+";
+    let mut session = Session::new(&[]);
+    session.open("sea.hyped", text);
+    session.client.settle();
+    for place in ["send by.sc|ore", "+= score.po|ints", "signal sc|ore", "sen|d by", "rece|ived"] {
+        session.ask_at("textDocument/hover", "sea.hyped", place, json!({}));
+    }
+    session.ask_at("textDocument/definition", "sea.hyped", "all Ship.sc|ore", json!({}));
+    session.ask_at("textDocument/rename", "sea.hyped", "received(sc|ore", json!({ "newName": "won" }));
+    session.ask_at("textDocument/rename", "sea.hyped", "score(po|ints", json!({ "newName": "value" }));
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn tags_of_levels_are_not_renamed() {
     let legend = "{ \"tiles\": { \"-\": [\"passable\", \"empty\"], \"X\": [\"solid\", \"ground\"] } }";
     let mut session = Session::new(&[("level.txt", "--\nXX\n"), ("legend.json", legend)]);

@@ -120,6 +120,34 @@ world W { condition up = a.y > 3; goal g: up; space s { place a: A at (0, 0) } }
 }
 
 #[test]
+fn signals_are_offered_by_who_receives_them() {
+    let text = "entity Ship {
+    signal score(points)
+    signal hit
+    ref mine: Mine
+    mode m {
+        when received(score) and score.points > 2 { send mine.explode(3); send all Mine.calm; send self.hit }
+    }
+}
+entity Mine { signal explode(size); signal calm }
+";
+    let mut session = Session::new(&[]);
+    for (old, new) in [
+        ("received(score)", "received(|)"),
+        ("score.points > 2", "score.| > 2"),
+        ("send mine.explode(3)", "send |"),
+        ("send mine.explode(3)", "send mine.|"),
+        ("send all Mine.calm", "send all |"),
+        ("send all Mine.calm", "send all Mine.|"),
+        ("send self.hit", "send self.|"),
+        ("signal hit", "signal |"),
+    ] {
+        completed_in(&mut session, text, old, new);
+    }
+    insta::assert_snapshot!(session.end());
+}
+
+#[test]
 fn what_is_given_already_is_not_offered() {
     let text = "behavior Moves(speed, way, far) { x' = speed * way; clamp x <= far }
 behavior Other(none_of_this) { y = none_of_this }

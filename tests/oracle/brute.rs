@@ -196,6 +196,10 @@ fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
             key.extend([1 + u64::from(*envelope), way[0] as u64, way[1] as u64]);
         }
         key.push(u64::MAX);
+        for (signal, sum) in &thing.signals {
+            key.extend([1 + u64::from(*signal), (sum + 0.0).to_bits()]);
+        }
+        key.push(u64::MAX);
         for (mine, other, side, named) in &reads.questions {
             let answers = || touching(thing, *mine, *other, *side);
             if *named {
@@ -293,6 +297,7 @@ fn terms(entity: &Entity, see: &mut dyn FnMut(&Term)) {
             match action {
                 Action::Update(update) if !matches!(update.value.ty, Type::Ref(_)) => see(&update.value),
                 Action::Spawn(spawn) => spawn.given.iter().for_each(|(_, term)| see(term)),
+                Action::Send(send) => send.number.iter().for_each(&mut *see),
                 _ => {}
             }
         }

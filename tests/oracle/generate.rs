@@ -38,6 +38,7 @@ struct Generator<'c> {
     has_shot: bool,
     has_button: bool,
     has_axis: bool,
+    has_signals: bool,
     /// The current group.
     group: usize,
     in_mode: bool,
@@ -55,6 +56,7 @@ pub fn program(choices: &[u16]) -> String {
         has_shot: false,
         has_button: true,
         has_axis: false,
+        has_signals: false,
         group: 0,
         in_mode: false,
     };
@@ -63,6 +65,7 @@ pub fn program(choices: &[u16]) -> String {
     (g.has_button, g.has_axis) = (inputs != 1 && inputs != 3, matches!(inputs, 1 | 3 | 4));
     g.has_foe = g.draw.chance(55);
     g.has_shot = g.draw.chance(30);
+    g.has_signals = g.draw.chance(30);
     for role in [Role::Hero, Role::Foe, Role::Shot] {
         g.role = role;
         g.names();
@@ -165,6 +168,11 @@ impl Generator<'_> {
             _ => "any",
         };
         self.line(format!("    ref t: {}", if self.has_foe { "Foe" } else { target }));
+        if self.has_signals {
+            self.line("    signal tick");
+            self.line("    signal ping(count)");
+            self.line("    signal push(way: px)");
+        }
         if self.draw.chance(85) {
             let kinematic = if role == Role::Foe && self.draw.chance(40) { "kinematic " } else { "" };
             let shape = if self.draw.chance(85) {
@@ -301,6 +309,9 @@ impl Generator<'_> {
         if self.draw.chance(5) {
             return format!("when lost(t) -> {} {{ n := 0 }}", self.mode());
         }
+        if self.has_signals && self.draw.chance(25) {
+            return self.receiving_edge();
+        }
         let guard = self.guard(2);
         let target = if self.draw.chance(65) { format!(" -> {}", self.mode()) } else { String::new() };
         let mut updates = Vec::new();
@@ -315,7 +326,49 @@ impl Generator<'_> {
         format!("when {guard}{target}{updates}")
     }
 
+    /// An edge that a signal decides.
+    fn receiving_edge(&mut self) -> String {
+        let signal = self.draw.one(&[
+            "received(tick)",
+            "received(ping)",
+            "not received(ping)",
+            "ping.count > 1",
+            "received(push)",
+            "received(tick) and received(ping)",
+        ]);
+        let target = if self.draw.chance(40) { format!(" -> {}", self.mode()) } else { String::new() };
+        let update = match self.draw.pick(5) {
+            0 => "n := clamp(ping.count, 0, 1)".to_string(),
+            1 => "x := x + push.way".into(),
+            2 => "y := y - push.way / 2".into(),
+            3 => self.send(),
+            _ => self.update(),
+        };
+        format!("when {signal}{target} {{ {update} }}")
+    }
+
+    fn send(&mut self) -> String {
+        let to = match self.draw.pick(4) {
+            0 if self.has_foe => "t",
+            1 => "self",
+            2 if self.has_foe => "all Foe",
+            3 if self.has_shot => "all Shot",
+            _ => "all Hero",
+        };
+        let signal = match self.draw.pick(5) {
+            0 => "tick".to_string(),
+            1 => "ping(1)".into(),
+            2 => "ping(n + 1)".into(),
+            3 => format!("push({})", self.length()),
+            _ => "push(x / 3)".into(),
+        };
+        format!("send {to}.{signal}")
+    }
+
     fn update(&mut self) -> String {
+        if self.has_signals && self.draw.chance(25) {
+            return self.send();
+        }
         match self.draw.pick(14) {
             0 => "n := min(n + 1, 1)".into(),
             1 => format!("x := {}", self.length()),

@@ -56,6 +56,8 @@ pub struct Thing {
     /// The envelopes that have reached their peak, and in which direction.
     pub peaks: BTreeMap<u32, [i64; 2]>,
     pub contacts: BTreeSet<Contact>,
+    /// The signals that were sent to it in the last step, with the sums of their numbers.
+    pub signals: BTreeMap<u32, f64>,
     /// The slot of its carrier.
     pub carrier: Option<usize>,
 }

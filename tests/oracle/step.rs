@@ -66,6 +66,7 @@ impl<'p> Oracle<'p> {
                 modes: Vec::new(),
                 timers: BTreeMap::new(),
                 peaks: BTreeMap::new(),
+                signals: BTreeMap::new(),
                 contacts: BTreeSet::new(),
                 carrier: None,
             })
@@ -153,6 +154,7 @@ impl<'p> Oracle<'p> {
     fn edges(&self, before: &State, state: &mut State, frames: &[Frame], passing: &mut Passing) -> Result<(), Fault> {
         let mut spawns: Vec<Birth<'_>> = Vec::new();
         let mut moves: Vec<(usize, &Link)> = Vec::new();
+        state.things.iter_mut().flatten().for_each(|thing| thing.signals.clear());
         for slot in 0..before.things.len() {
             if before.things[slot].is_none() {
                 continue;
@@ -317,6 +319,27 @@ impl<'p> Oracle<'p> {
                     spawns.push(Birth { by: slot, spawn, into: spawn.into });
                 }
                 Action::Destroy(what) => passing.dying.extend(code.instance(what)),
+                Action::Send(send) => {
+                    let number = send.number.as_ref().map(|number| code.value(number)).transpose()?;
+                    let of = &self.program.entities[send.entity];
+                    let sum = of.signals[send.signal].number.map(|sum| &of.sums[sum]);
+                    let number = match (number, sum) {
+                        (Some(number), Some(sum)) if sum.dimension.is_none() => number.round(),
+                        (number, _) => number.unwrap_or(0.0),
+                    };
+                    let one = send.to.as_ref().map(|to| code.instance(to));
+                    for (to, thing) in state.things.iter_mut().enumerate() {
+                        let is_one = one.is_none_or(|one| one == Some(to));
+                        let is_there = before.things[to].is_some() && self.entity_id(to) == send.entity;
+                        if let (Some(thing), true) = (thing, is_one && is_there) {
+                            let sum = thing.signals.entry(send.signal.0).or_default();
+                            *sum += number;
+                            if !sum.is_finite() {
+                                return Err(Fault::NotFinite);
+                            }
+                        }
+                    }
+                }
             }
         }
         Ok(())
@@ -370,6 +393,7 @@ impl<'p> Oracle<'p> {
             timers: BTreeMap::new(),
             peaks: BTreeMap::new(),
             contacts: BTreeSet::new(),
+            signals: BTreeMap::new(),
             carrier: None,
         };
         // It reads its own parameters from itself.

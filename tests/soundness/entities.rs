@@ -311,6 +311,15 @@ impl Generator<'_> {
                 }
                 _ => (format!("touching({tag}) as seen and seen is {name} and seen.count < 3"), Some(Some(of))),
             }
+        } else if self.palette.signals && self.draw.chance(50) {
+            let guard = self.draw.one(&[
+                "received(tick)",
+                "received(tally)",
+                "received(kick)",
+                "tally.points >= 2",
+                "not received(tick) and count < 3",
+            ]);
+            (guard.into(), None)
         } else {
             (self.guard(), None)
         };

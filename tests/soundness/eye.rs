@@ -99,6 +99,10 @@ impl<'a> Eye<'a> {
                 Some(self.world.step.times(count))
             }
             Expr::Negate(a) => Some(-self.number(a)?),
+            Expr::Sum(sum) => {
+                self.notes.note("the number of a signal");
+                Some(slots[self.me].sum(self.state, sum))
+            }
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (self.number(a)?, self.number(b)?);
                 self.notes.note(match op {
@@ -178,6 +182,7 @@ impl<'a> Eye<'a> {
                 });
                 atom(if is_entering { "entering" } else { "exiting" }, holds)
             }
+            Expr::Received(signal) => atom("received", slots[self.me].signal(self.state, signal)),
             Expr::IsNone(of) => atom("is none", self.instance(of).is_none()),
             Expr::Is(of, entity) => {
                 atom("is ENTITY", self.instance(of).is_some_and(|s| self.world.slots[s].entity == entity))

@@ -84,6 +84,8 @@ pub struct Palette {
     pub charges: bool,
     /// Spawning.
     pub spawns: bool,
+    /// Signals.
+    pub signals: bool,
     /// Destroying.
     pub ends: bool,
     pub clamps: bool,
@@ -136,6 +138,7 @@ impl Palette {
             dashes: on(15),
             seams: on(20),
             sizes: on(15),
+            signals: on(20),
             travels,
             walks,
             is_small: walks || on(55),
@@ -293,7 +296,7 @@ impl Generator<'_> {
                 out.push_str(item);
             }
         }
-        let members: [(&str, &str); 17] = [
+        let members: [(&str, &str); 20] = [
             ("turn", "param turn: px/s = 0\n"),
             ("size", "param size: px = 16\n"),
             ("speed", "param speed: px/s = 60\n"),
@@ -309,6 +312,9 @@ impl Generator<'_> {
             ("foe_a", "ref foe_a: A\n"),
             ("foe_b", "ref foe_b: B\n"),
             ("foe_c", "ref foe_c: C\n"),
+            ("tick", "signal tick\n"),
+            ("tally", "signal tally(points)\n"),
+            ("kick", "signal kick(way: px/s)\n"),
             ("jump", "button jump, run\n"),
             ("horizontal", "axis horizontal, vertical\n"),
         ];

@@ -51,7 +51,7 @@ impl Situation {
         palette.extremes = false;
         palette.inputs = true;
         palette.others &= self == Situation::Dying;
-        (palette.spawns, palette.ends, palette.is_small) = (false, false, true);
+        (palette.spawns, palette.ends, palette.signals, palette.is_small) = (false, false, false, true);
         palette
     }
 

@@ -285,7 +285,7 @@ impl Tally {
                         self.note("an edge of always");
                     }
                     self.note_else(sim, &entity.edges[edge]);
-                    self.watch_actions(sim, slot, &entity.edges[edge].actions);
+                    self.watch_actions(sim, before, slot, &entity.edges[edge].actions);
                 }
             }
             if let Some(Move { edge, target, from, to }) = taken[group.index()] {
@@ -300,7 +300,7 @@ impl Tally {
                 if modes[target].chooses || modes[target].inner.is_some() {
                     self.note("an edge into a mode with modes");
                 }
-                self.watch_actions(sim, slot, &entity.edges[edge].actions);
+                self.watch_actions(sim, before, slot, &entity.edges[edge].actions);
                 for mode in entity.leaves[to].path.iter().filter(|m| !entity.leaves[from].path.contains(m)) {
                     if !modes[*mode].entry.updates.is_empty() {
                         self.note("an entry update");
@@ -334,7 +334,7 @@ impl Tally {
         }
     }
 
-    fn watch_actions(&self, sim: &Simulator, slot: SlotId, actions: &Actions) {
+    fn watch_actions(&self, sim: &Simulator, before: &[u8], slot: SlotId, actions: &Actions) {
         let entity = &sim.program().entities[sim.world().slots[slot].entity];
         for update in &actions.updates {
             self.note(match update.place {
@@ -364,6 +364,22 @@ impl Tally {
             let own = sim.world().slots[slot].entity;
             if spawn.entity == own && !spawn.params.is_empty() && sim.world().slots[slot].origin == Origin::Free {
                 self.note("a spawn by what was spawned, parameters from its own");
+            }
+        }
+        for &send in &actions.sends {
+            let send = &entity.sends[send];
+            self.note(match send.to {
+                None => "a signal to all",
+                Some(Subject::Me) => "a signal to itself",
+                Some(_) => "a signal to one",
+            });
+            if send.value.is_some() {
+                self.note("a signal with a number");
+            }
+            if let Some(Subject::Ref(to)) = send.to
+                && sim.world().layout.slots[slot].reference(before, to).is_none()
+            {
+                self.note("a signal to nobody");
             }
         }
         for destroyed in &actions.destroys {
@@ -608,6 +624,7 @@ const EVENTS: &[&str] = &[
     "own parameter",
     "parameter of another",
     "own variable",
+    "the number of a signal",
     "variable of another",
     "own discrete",
     "discrete of another",
@@ -661,6 +678,11 @@ const EVENTS: &[&str] = &[
     "a spawn is refused",
     "a spawn is refused beside a free slot",
     "a spawn by what was spawned, parameters from its own",
+    "a signal to one",
+    "a signal to itself",
+    "a signal to all",
+    "a signal with a number",
+    "a signal to nobody",
     "destroy self",
     "destroy what is touched",
     "destroy a reference",
@@ -751,6 +773,7 @@ const ATOMS: &[&str] = &[
     "touching as",
     "entering",
     "exiting",
+    "received",
     "is none",
     "is ENTITY",
     "in MODE",

@@ -19,6 +19,10 @@ impl Generator<'_> {
 
     /// An update, and its place.
     fn update(&mut self, named: Option<Option<usize>>) -> (String, String) {
+        if self.palette.signals && self.draw.chance(30) {
+            let update = if self.draw.chance(25) { self.received_value() } else { self.send(named) };
+            return update;
+        }
         let places = [
             "count", "x'", "y'", "x", "y", "flag", "colour", "q", "q'", "heat", "y''", "friend", "foe", "spawn",
             "spawn", "destroy",
@@ -109,6 +113,35 @@ impl Generator<'_> {
             },
         };
         (place.into(), update)
+    }
+
+    /// An update by what came with a signal, and its place.
+    fn received_value(&mut self) -> (String, String) {
+        let flipped = |g: &Self, place: &str, value: &str| format!("{place} := {}", g.axes.write(place, value));
+        match self.draw.pick(3) {
+            0 => ("count".into(), "count := clamp(count + tally.points, 0, 3)".into()),
+            1 => ("x'".into(), flipped(self, "x'", "kick.way")),
+            _ => ("y'".into(), flipped(self, "y'", "kick.way + speed")),
+        }
+    }
+
+    /// A signal to one or all; several in one list are all sent.
+    fn send(&mut self, named: Option<Option<usize>>) -> (String, String) {
+        let of = self.any_plan();
+        let to = match (named, self.draw.pick(4)) {
+            (Some(Some(_)), 0) => "seen".into(),
+            (_, 1) => "self".into(),
+            (_, 2) if self.palette.others => format!("foe_{}", NAMES[of].1),
+            _ => format!("all {}", self.plans[of].name),
+        };
+        let signal = match self.draw.pick(4) {
+            0 => "tick".into(),
+            1 => format!("tally({})", self.draw.one(&["1", "count", "2", "-1", "count + tally.points"])),
+            2 => format!("kick({})", self.number(Dim::Speed)),
+            _ => format!("kick({})", self.value(Dim::Speed)),
+        };
+        let send = format!("send {to}.{signal}");
+        (send.clone(), send)
     }
 
     pub fn spawn(&mut self) -> String {

@@ -22,6 +22,8 @@
 (dimension_factor (identifier) @type.builtin)
 (tiles name: (identifier) @module)
 (condition name: (identifier) @label)
+(signal name: (identifier) @variable.member)
+(signal_number name: (identifier) @variable.member)
 (goal name: (identifier) @label)
 (never name: (identifier) @label)
 
@@ -37,6 +39,8 @@
 (place entity: (identifier) @type)
 (limit entity: (identifier) @type)
 (put behavior: (identifier) @function)
+(address signal: (identifier) @variable.member)
+(all_of (address receiver: (identifier) @type))
 (map tiles: (identifier) @module)
 (link space: (identifier) @module)
 (shape name: (identifier) @function.builtin)
@@ -48,7 +52,7 @@
 ((call function: (identifier) @function.builtin)
   (#any-of? @function.builtin
     "min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held"
-    "released" "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count"))
+    "released" "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count" "received"))
 (timer) @variable.builtin
 (self) @variable.builtin
 
@@ -77,7 +81,7 @@
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
   "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
-  "condition" "goal" "never" "map" "place" "link" "rect" "bounds" "wrap" "int"
+  "condition" "signal" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "wrap" "int"
 ] @keyword
 (bool_domain) @keyword
 [

@@ -10,6 +10,7 @@
 (discrete name: (identifier) @local.definition.var)
 (reference name: (identifier) @local.definition.var)
 (condition name: (identifier) @local.definition.var)
+(signal name: (identifier) @local.definition.var)
 (buttons name: (identifier) @local.definition.var)
 (axes name: (identifier) @local.definition.var)
 (binding name: (identifier) @local.definition.var)

@@ -19,7 +19,7 @@ syn keyword hypedConditional when if else
 syn keyword hypedStatement destroy invariant clamp
 syn keyword hypedStatement use spawn nextgroup=hypedType skipwhite
 syn match hypedFunction /\<\%(min\|max\|abs\|sign\|floor\|ceil\|round\|sqrt\|sin\|cos\|atan2\|mod\)\>\ze\s*(/
-syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\|count\)\>\ze\s*(/
+syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\|count\|received\)\>\ze\s*(/
 syn match hypedOperatorWord /\<\%(any\|all\)\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\)\>\)\@!\K/ nextgroup=hypedType skipwhite
 syn match hypedOperatorWord /\%([[:keyword:])']\s\+\)\@<=touching\>\ze\s*\%("\|\s\%(and\|or\|not\|in\|is\|as\|when\|mode\)\@!\K\)/
 syn match hypedType /\%(\%(self\|when\)\>\)\@!\<\K\k*/ contained
@@ -63,6 +63,8 @@ syn match hypedLabel /\K\k*/ contained
 syn match hypedModifier /\<initial\>\ze\s\+\%(mode\|when\)\>/ contained
 syn match hypedModifier /\<always\>\ze\s*\%({\|\/\/\|$\)/ contained
 syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=condition\>\ze\s\+\K\k*\s*==\@!/ contained nextgroup=hypedLabel skipwhite
+syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=signal\>\ze\s\+\K/ contained nextgroup=hypedIdentifier skipwhite
+syn match hypedStatement /\%(\%(^\|[{;}]\)\s*\)\@<=send\>\ze\s\+\%(all\s\+\)\?\K\k*\./
 syn match hypedFollow /\<follow\s\+links\>\%(\s*\%('\|:\?=\)\)\@!/ contained
 
 " The driven variable precedes `by`; it can have any name.

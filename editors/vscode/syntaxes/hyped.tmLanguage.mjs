@@ -24,7 +24,7 @@ const BEFORE_OPERAND = r`(?=\s+[\p{L}\p{N}_(-])`;
 /** A tag, and a name that is no keyword which can follow an operand. */
 const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|clamp)\b)${NAME}`;
 const FREE = r`(?!touching\b)${TAG}`;
-const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|count|clamp|if|timer';
+const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|count|received|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
 const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|condition|goal|never)\b`;
 
@@ -101,6 +101,7 @@ const repository = {
       groups(r`\b(group)\s+(${NAME})`, 'storage.type', 'entity.name.namespace'),
       groups(r`\b(mode)\s+(${NAME})`, 'storage.type', 'entity.name.label'),
       groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),
+      groups(r`${START}(signal)\s+(${FREE})\b(?:\s*(\()\s*(${NAME})(?:\s*(:)\s*(${DIMENSION}))?)?`, 'storage.type', 'variable.other.member', 'punctuation.section.parens', 'variable.other.member', 'punctuation.separator', 'support.type.dimension'),
       groups(r`\b(initial)(?=\s+(?:mode|when)\b)`, 'storage.modifier'),
       groups(r`\b(always)(?=\s*(?:\{|//|$))`, 'storage.type'),
       groups(r`\b(param|continuous|discrete|ref|group|mode|kinematic)\b`, 'storage.type'),
@@ -112,6 +113,8 @@ const repository = {
       groups(r`\b(follow)\s+(links)\b(?!\s*(?:'|:?=))`, 'keyword.control', 'keyword.control'),
       groups(r`\b(use)\s+(${NAME})`, 'keyword.control', 'entity.name.function'),
       groups(r`\b(spawn)\s+(${NAME})`, 'keyword.control', 'entity.name.type'),
+      groups(r`${START}(send)\s+(all)\s+(${NAME})(\.)(${NAME})`, 'keyword.control', 'keyword.operator.word', 'entity.name.type', 'punctuation.accessor', 'variable.other.member'),
+      groups(r`${START}(send)(?=\s+${NAME}\.)`, 'keyword.control'),
       groups(r`\b(when|else)\b`, 'keyword.control'),
       groups(r`\b(invariant|clamp(?!\s*\()|use|spawn|destroy)\b`, 'keyword.control'),
       groups(r`(->)\s*(${NAME}(?:\.${NAME})*)`, 'keyword.operator.arrow', 'entity.name.label'),

@@ -72,6 +72,8 @@ impl Reads {
             | Expr::Discrete(..)
             | Expr::Touching(..)
             | Expr::Joint(..)
+            | Expr::Received(_)
+            | Expr::Sum(_)
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)

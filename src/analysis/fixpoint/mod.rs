@@ -1,20 +1,21 @@
 //! The fixpoint iteration: steps from all known configurations until nothing new is found, then narrows the result.
 
 pub(in crate::analysis) mod counter_bounds;
+mod effects;
 pub(in crate::analysis) mod initial;
 pub(in crate::analysis) mod narrowing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
-    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, Subject, VarId,
-    World,
+    DiscreteId, Entity, EntityId, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, VarId, World,
 };
 
 use crate::watch::Watch;
 
 use super::{ConfigurationSpace, GivenUp, SlotSpace};
 use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
+use crate::analysis::domain::received::{Received, Sent};
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::domain::widen::{GrowthCounts, Thresholds, within_bounds};
 use crate::analysis::fixpoint::counter_bounds::Limits;
@@ -57,6 +58,8 @@ pub(in crate::analysis) struct Slot {
     pub speed: [f64; 2],
     pub near_speed: [f64; 2],
     pub mid_step: MidStep,
+    /// What it can send.
+    pub sent: Sent,
     /// Position when contacts are detected, px.
     pub contact: [Values; 2],
     /// Whether the slot has changed since it was last published.
@@ -81,6 +84,8 @@ pub(in crate::analysis) struct Analysis<'a> {
     joined: Joined,
     pub scene: Scene<'a>,
     pub surroundings: Surroundings,
+    /// What instances of each entity can receive.
+    pub received: Received,
     /// The slot that represents each slot: slots that are empty at the start are interchangeable.
     first: IdVec<SlotId, SlotId>,
     /// Invariant bounds of the discrete variables.
@@ -137,6 +142,7 @@ impl<'a> Analysis<'a> {
             limits,
             forbidden,
             surroundings: Surroundings::default(),
+            received: Received::default(),
             effort,
             watch,
             is_stopped: false,
@@ -298,7 +304,7 @@ impl<'a> Analysis<'a> {
 
     /// Publishes the joins of the changed slots to all others; returns true if anything changed.
     pub fn publish(&mut self) -> bool {
-        let mut changed = false;
+        let mut changed = self.deliver();
         for slot in self.world.slots.ids() {
             let first = self.first[slot];
             if !self.slots[first].is_changed && slot.index() < self.overall.len() {
@@ -456,6 +462,7 @@ impl<'a> Analysis<'a> {
             slots: &self.overall,
             joined: &self.joined,
             surroundings: &self.surroundings,
+            received: &self.received,
             pinned: None,
             me,
             tested: None,
@@ -492,6 +499,9 @@ impl<'a> Analysis<'a> {
         }
         for (spawn, at) in outcome.spawns {
             changed |= self.spawn(slot, spawn, &at);
+        }
+        for (send, value) in outcome.sends {
+            changed |= self.slots[slot].sent.add(send, value);
         }
         let known = &mut self.slots[slot];
         let speeds = known.speed.iter_mut().chain(&mut known.near_speed);
@@ -554,24 +564,6 @@ impl<'a> Analysis<'a> {
         changed || inside
     }
 
-    /// Marks the slots whose instances can be destroyed by others.
-    fn mark_destroyable(&mut self) -> bool {
-        let living = self.world.slots.ids().filter(|s| self.overall[*s].can_live);
-        let by: BTreeSet<EntityId> = living.map(|slot| self.world.slots[slot].entity).collect();
-        let mut changed = false;
-        for by in by {
-            let destroyed = self.program.destroyed_by(by, |of| of != Subject::Me);
-            for slot in self.world.slots.ids().filter(|slot| destroyed[self.world.slots[*slot].entity]) {
-                if !self.slots[slot].can_be_absent {
-                    self.slots[slot].can_be_absent = true;
-                    self.slots[slot].is_changed = true;
-                    changed = true;
-                }
-            }
-        }
-        changed
-    }
-
     pub fn finish(mut self) -> ConfigurationSpace {
         let slots = self.world.slots.ids().map(|slot| {
             let found = &self.slots[self.first[slot]];
@@ -587,7 +579,15 @@ impl<'a> Analysis<'a> {
             true => Surroundings::unknown(&self.overall),
             false => Surroundings::new(&mut self.scene, &self.overall),
         };
-        ConfigurationSpace { slots, overall: self.overall, joined: Joined::default(), surroundings, finer: None }
+        let received = self.received;
+        ConfigurationSpace {
+            slots,
+            overall: self.overall,
+            joined: Joined::default(),
+            surroundings,
+            received,
+            finer: None,
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::ir::{
 };
 
 use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
+use crate::analysis::domain::received::Received;
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::seam;
@@ -85,6 +86,8 @@ pub(in crate::analysis) struct Reader<'a> {
     pub joined: &'a Joined,
     /// The possible contacts of each slot.
     pub surroundings: &'a Surroundings,
+    /// The signals that instances of each entity can receive.
+    pub received: &'a Received,
     /// For a predicate of the world: an instance, and the part of its states that is considered.
     pub pinned: Option<(SlotId, Pinned<'a>)>,
     /// The instance of `Subject::Me`; `None` for a predicate of the world.
@@ -246,6 +249,10 @@ impl<'a> Reader<'a> {
                     Some(o.discretes.get(id)?.or(mid_step.unwrap_or(&Values::none())))
                 }),
             },
+            Expr::Sum(sum) => match self.me {
+                Some((me, _)) => Values::from(self.received.sum(self.world.slots[me].entity, sum)),
+                None => Values::all(),
+            },
             Expr::Axis(_) if self.has_player() => Values::from(Interval { low: -1.0, high: 1.0 }),
             Expr::Axis(_) => Values::point(0.0),
             Expr::Timer(timer) => match self.me {
@@ -390,6 +397,10 @@ impl<'a> Reader<'a> {
                 let distance = squares.map(|i| i.map(|s| s.max(0.0).sqrt()));
                 let found = compare_values(CompareOp::AtMost, &distance, &self.number(radius));
                 Truth { can_hold: found.can_hold, can_fail: true }
+            }
+            Expr::Received(signal) => {
+                let can = |me: SlotId| self.received.can_receive(self.world.slots[me].entity, signal);
+                Truth { can_hold: self.me.is_none_or(|(me, _)| can(me)), can_fail: true }
             }
             Expr::Joint(..) | Expr::IsNone(_) | Expr::Is(..) => Truth::EITHER,
             _ => {

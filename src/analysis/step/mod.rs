@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Actions, Arithmetic, EdgeId, Entity, Expr, ExprId, Function, GroupId, Id, IdVec, LeafId, Link, ModeId, Place,
-    RefValue, SlotId, SpaceId, SpawnId, Subject, Transition, Update, VarId,
+    RefValue, SendId, SlotId, SpaceId, SpawnId, Subject, Transition, Update, VarId,
 };
 
 use crate::analysis::domain::configuration::Configuration;
@@ -28,6 +28,8 @@ pub(in crate::analysis) struct Outcome {
     pub next: Vec<Configuration>,
     /// Spawns, with the configurations of the spawner.
     pub spawns: Vec<(SpawnId, Configuration)>,
+    /// Signals that are sent, with the values of their numbers.
+    pub sends: Vec<(SendId, Interval)>,
     /// Whether the instance can be destroyed.
     pub can_end: bool,
     /// Whether a collider that is never pushed can be switched on.
@@ -349,6 +351,11 @@ impl<'a> Stepper<'a> {
                 Some((_, known)) => *known = known.or(&at),
                 None => outcome.spawns.push((spawn, at)),
             }
+        }
+        for &send in &actions.sends {
+            let reader = Reader { tested, ..self.at(at) };
+            let value = self.entity().sends[send].value.and_then(|value| reader.number(value).hull());
+            outcome.sends.push((send, value.unwrap_or(Interval::point(0.0))));
         }
         let ends = actions.destroys.contains(&RefValue::Of(Subject::Me));
         outcome.can_end |= ends;

@@ -77,6 +77,12 @@ impl UnknownName {
         self.suggestion = what;
         self
     }
+
+    /// Sets how such a name is declared, unless it is nearly one that is known.
+    #[must_use]
+    pub fn declared_by(self, what: String) -> Self {
+        if self.near.is_some() { self } else { self.suggestion(Some(what)) }
+    }
 }
 
 impl Fact for UnknownName {

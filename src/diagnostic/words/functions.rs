@@ -60,6 +60,11 @@ pub const SIGNATURES: &[Signature] = &[
     },
     Signature { name: "entering", parameters: &["mode"], doc: "A mode of another group is entered in this step." },
     Signature { name: "exiting", parameters: &["mode"], doc: "A mode of another group is left in this step." },
+    Signature {
+        name: "received",
+        parameters: &["signal"],
+        doc: "The signal was sent to this instance in the step before; in guards and updates of edges.",
+    },
     Signature { name: "lost", parameters: &["reference"], doc: "The reference is `none`." },
     Signature {
         name: "near",

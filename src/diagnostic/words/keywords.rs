@@ -161,6 +161,18 @@ pub const MEANINGS: &[Meaning] = &[
         "Removes an instance at the end of the step; references to it become `none`. Of `none` it does nothing.",
         "when timer >= 0.5 { destroy self }",
     ),
+    means(
+        "signal",
+        "What an entity can be sent. With a number in brackets, the numbers of all that is sent in a step add up: \
+         `score.points`. A number without a dimension is whole. What is sent in one step is received in the next.",
+        "signal hit\nsignal score(points)\nsignal push(speed: px/s)",
+    ),
+    means(
+        "send",
+        "Sends a signal to what a reference holds, to `self`, or to `all` instances of an entity. Guards and updates of \
+         edges read it in the next step. Sent to `none`, it is lost.",
+        "when touching(body, ship) as s and s is Ship { send s.score(100) }\nwhen pressed(open) { send all Door.open }",
+    ),
     // Envelopes.
     means(
         "envelope",

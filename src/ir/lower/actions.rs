@@ -1,9 +1,9 @@
-//! Lowers actions: updates of variables and references, `spawn`, `destroy`.
+//! Lowers actions: updates of variables and references, `spawn`, `destroy`, `send`.
 
 use crate::sema::checked::{self, Given, TermKind};
 
 use super::term::Context;
-use crate::ir::{Actions, EntityId, Place, Program, RefUpdate, RefValue, Spawn, Update};
+use crate::ir::{Actions, EntityId, Place, Program, RefUpdate, RefValue, Send, Spawn, Update};
 
 /// The actions of one edge or entry.
 pub(super) fn lower(
@@ -12,7 +12,7 @@ pub(super) fn lower(
     actions: &[checked::Action],
     context: &Context<'_>,
 ) -> Actions {
-    let mut out = Actions::default();
+    let (mut out, mut sends) = (Actions::default(), Vec::new());
     for action in actions {
         match action {
             checked::Action::Update(update) => match update.place {
@@ -27,8 +27,21 @@ pub(super) fn lower(
                 out.spawns.push(program.entity_mut(entity).spawns.push(lowered));
             }
             checked::Action::Destroy(what) => out.destroys.push(reference_value(what)),
+            checked::Action::Send(send) => {
+                let to = send.to.as_ref().map(reference_value);
+                // Sent to `none`, it is lost.
+                let to = match to {
+                    Some(RefValue::None) => continue,
+                    Some(RefValue::Of(subject)) => Some(subject),
+                    None => None,
+                };
+                let value = send.number.as_ref().map(|number| program.term(number, context));
+                let send = Send { to, entity: send.entity, signal: send.signal, value };
+                sends.push(program.entity_mut(entity).sends.push(send));
+            }
         }
     }
+    out.sends = sends.into();
     out
 }
 

@@ -13,7 +13,7 @@ use crate::source::Span;
 use crate::ir::{
     Arithmetic, By, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope, Expr,
     ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
-    RareVec, Reference, Release, Shape, TagSet, Touch, verify,
+    RareVec, Reference, Release, Shape, Signal, Sum, TagSet, Touch, verify,
 };
 use term::{Context, duration, rate};
 
@@ -84,6 +84,13 @@ fn shell(e: &checked::Entity) -> Entity {
         bound: e.bound.len(),
         timers: RareVec::new(),
         spawns: RareVec::new(),
+        signals: e.signals.iter().map(|s| Signal { name: s.name.text.to_string(), sum: s.number }).collect(),
+        sums: e
+            .sums
+            .iter()
+            .map(|sum| Sum { name: sum.name.text.to_string(), is_whole: sum.ty() == checked::Type::Int })
+            .collect(),
+        sends: RareVec::new(),
         follows: RareVec::new(),
         clamps: Box::default(),
         invariants: Box::default(),

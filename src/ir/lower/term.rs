@@ -55,6 +55,8 @@ impl Program {
             TermKind::Bool(b) => Expr::Bool(*b),
             TermKind::Param(of, p) => Expr::Param(*of, *p),
             TermKind::Joint { mode, entering } => Expr::Joint(*mode, *entering),
+            TermKind::Received(signal) => Expr::Received(*signal),
+            TermKind::Sum(sum) => Expr::Sum(*sum),
             TermKind::IsNone(of) => Expr::IsNone(*of),
             TermKind::Is(of, entity) => Expr::Is(*of, *entity),
             TermKind::Alive(slot) => Expr::Alive(*slot),

@@ -111,7 +111,7 @@ impl<'p> Code<'p> {
         };
         let me = || match owner {
             Owner::Entity(me) => Ok(&program.entities[me]),
-            Owner::World(_) => Err(Invalid::new("a world reads no inputs and no timers")),
+            Owner::World(_) => Err(Invalid::new("a world reads no inputs, timers and signals")),
         };
         match expr {
             Expr::Param(subject, param) => exists(param, &of(subject)?.params),
@@ -125,6 +125,8 @@ impl<'p> Code<'p> {
             Expr::Button(Press::Pressed | Press::Held | Press::Released, button) => exists(button, &me()?.buttons),
             Expr::Timer(timer) => exists(timer, &me()?.timers),
             Expr::Joint(mode, _) => exists(mode, &me()?.modes),
+            Expr::Received(signal) => exists(signal, &me()?.signals),
+            Expr::Sum(sum) => exists(sum, &me()?.sums),
             Expr::IsNone(subject) | Expr::Near { of: subject, .. } => self.subject(owner, subject),
             Expr::Is(subject, entity) => {
                 self.subject(owner, subject)?;

@@ -4,7 +4,7 @@
 use crate::ir::{
     Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, ExprId,
     Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_MODES, Mode, ModeId, Param,
-    Place, Program, RefUpdate, Reference, Release, Spawn, Timer, Touch, Update, VarId,
+    Place, Program, RefUpdate, Reference, Release, Send, Spawn, Timer, Touch, Update, VarId,
 };
 
 use super::code::{Code, Facts, Owner};
@@ -58,6 +58,9 @@ impl EntityVerifier<'_> {
             bound,
             timers,
             spawns: _,
+            signals,
+            sums,
+            sends: _,
             follows: _,
             clamps,
             invariants,
@@ -99,6 +102,10 @@ impl EntityVerifier<'_> {
             exists(*other, &self.program.tags).at("other")?;
             ensure(*keeps == (id.index() < *bound), "those that keep whom they find come first").at("bound")
         })?;
+        each("signals", signals, |_, signal| signal.sum.map_or(Ok(()), |sum| exists(sum, sums)).at("sum"))?;
+        let mut numbers: Vec<_> = signals.iter().filter_map(|signal| signal.sum).collect();
+        numbers.sort_unstable();
+        ensure(numbers.into_iter().eq(sums.ids()), "each is of one signal").at("sums")?;
         each("timers", timers, |_, Timer { mode, thresholds }| {
             exists(*mode, modes).at("mode")?;
             each_of("thresholds", thresholds.as_deref().unwrap_or_default(), |id| self.expr(*id))
@@ -281,7 +288,7 @@ impl EntityVerifier<'_> {
 
     /// Checks edges, links and spawns.
     fn behaviour(&self) -> Checked {
-        let Entity { modes, edges, follows, refs, spawns, .. } = self.entity;
+        let Entity { modes, edges, follows, refs, spawns, sends, .. } = self.entity;
         each("edges", edges, |_, Edge { source, target, guard, actions, needs }| {
             exists(*source, modes).at("source")?;
             if let Some(target) = target {
@@ -299,7 +306,10 @@ impl EntityVerifier<'_> {
         let of_actions = self.entity.action_lists().flat_map(|actions| &actions.spawns);
         let mut happens: Vec<_> = of_actions.copied().collect();
         happens.sort_unstable();
-        ensure(happens.into_iter().eq(spawns.ids()), "each happens in one place").at("spawns")
+        ensure(happens.into_iter().eq(spawns.ids()), "each happens in one place").at("spawns")?;
+        let mut sent: Vec<_> = self.entity.action_lists().flat_map(|actions| actions.sends.iter().copied()).collect();
+        sent.sort_unstable();
+        ensure(sent.into_iter().eq(sends.ids()), "each happens in one place").at("sends")
     }
 
     fn guarded(&self, guard: Option<ExprId>, actions: &Actions) -> Checked {
@@ -312,14 +322,30 @@ impl EntityVerifier<'_> {
     }
 
     fn actions(&self, actions: &Actions, facts: &mut Facts) -> Checked {
-        let Actions { updates, refs, spawns, destroys } = actions;
+        let Actions { updates, refs, spawns, destroys, sends } = actions;
         self.updates(updates, self.entity, facts).at("updates")?;
         self.references(refs, self.entity).at("refs")?;
         all_exist(spawns, &self.entity.spawns).at("spawns")?;
         for id in spawns {
             self.spawn(&self.entity.spawns[*id], facts).at(&format!("spawns[{}]", id.index()))?;
         }
+        all_exist(sends, &self.entity.sends).at("sends")?;
+        for id in sends {
+            self.send(&self.entity.sends[*id], facts).at(&format!("sends[{}]", id.index()))?;
+        }
         each_of("destroys", destroys, |what| self.code.instance(Owner::Entity(self.id), *what))
+    }
+
+    fn send(&self, send: &Send, facts: &mut Facts) -> Checked {
+        let Send { to, entity, signal, value } = *send;
+        exists(entity, &self.program.entities).at("entity")?;
+        let of = &self.program.entities[entity];
+        exists(signal, &of.signals).at("signal")?;
+        if let Some(to) = to {
+            self.code.subject(Owner::Entity(self.id), to).at("to")?;
+        }
+        ensure(value.is_some() == of.signals[signal].sum.is_some(), "it has no number, or one too many").at("value")?;
+        value.map_or(Ok(()), |value| self.code.check(Owner::Entity(self.id), value, facts).at("value"))
     }
 
     fn spawn(&self, spawn: &Spawn, facts: &mut Facts) -> Checked {

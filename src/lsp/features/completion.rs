@@ -69,6 +69,14 @@ impl CompletionCollector<'_> {
             back += 2;
         }
         let Some(first) = prefix.first().copied() else { return };
+        let sent_to = match (cursor.previous(back), cursor.previous(back + 1)) {
+            ("send", _) if first == "self" => own,
+            ("all", "send") => self.entity(first),
+            _ => None,
+        };
+        if let Some(entity) = sent_to {
+            return self.signals(entity);
+        }
         if let Some(entity) = own {
             let leads = matches!(cursor.previous(back), "->" | "in");
             let names_mode = entity.modes.iter().any(|m| m.path.iter().any(|p| p == first));
@@ -82,7 +90,13 @@ impl CompletionCollector<'_> {
                 [name, "is", entity] if *name == first => self.entity(entity),
                 _ => None,
             });
+            let signal = entity.signals.iter().find(|s| s.name.text == first);
+            if let Some(sum) = signal.and_then(|signal| signal.number) {
+                self.add(0, &entity.sums[sum].name.text, CompletionKind::Property, "number of a signal");
+                return;
+            }
             match referred.or(tested) {
+                Some(entity) if cursor.previous(back) == "send" => self.signals(entity),
                 Some(entity) => self.members(entity),
                 None => ["x", "y"].iter().for_each(|v| self.add(0, v, CompletionKind::Variable, "continuous")),
             }
@@ -141,6 +155,7 @@ impl CompletionCollector<'_> {
                 }
             }
             "lost" => self.refs(own),
+            "received" => own.into_iter().for_each(|entity| self.signals(entity)),
             "near" | "inside" if argument == 0 => {
                 self.instances(world);
                 self.words(&["any"]);
@@ -222,6 +237,10 @@ impl CompletionCollector<'_> {
                 self.refs(own);
                 self.words(&["self"]);
             }
+            ("send", _) => {
+                self.refs(own);
+                self.words(&["self", "all"]);
+            }
             ("by", "envelope") => {
                 let axes = own.into_iter().flat_map(|e| e.axes.iter());
                 axes.for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
@@ -257,7 +276,11 @@ impl CompletionCollector<'_> {
             ("condition", "condition") if cursor.statement.len() == 1 => {}
             // The author chooses a new name.
             ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
-            | ("button" | "axis" | "const" | "goal" | "never" | "tiles" | "space" | "place" | "player" | "as", _) => {}
+            | (
+                "button" | "axis" | "signal" | "const" | "goal" | "never" | "tiles" | "space" | "place" | "player"
+                | "as",
+                _,
+            ) => {}
             _ => return false,
         }
         true
@@ -359,7 +382,7 @@ impl CompletionCollector<'_> {
 
 /// Whether a function depends only on its arguments.
 fn is_arithmetic(name: &str) -> bool {
-    let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost"];
+    let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "received"];
     !reads.contains(&name) && !matches!(name, "near" | "inside" | "count" | "rect" | "circle")
 }
 

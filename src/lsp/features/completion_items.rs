@@ -189,6 +189,11 @@ impl<'a> CompletionCollector<'a> {
         entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
     }
 
+    /// Adds the signals that an entity receives.
+    pub fn signals(&mut self, entity: &Entity) {
+        entity.signals.iter().for_each(|s| self.add(0, &s.name.text, CompletionKind::Input, "signal"));
+    }
+
     /// Adds assignments to the settable members of an entity, without those that are already assigned.
     pub fn settings(&mut self, entity: &Entity, assigned: &[&str]) {
         let from = self.list.len();
@@ -256,6 +261,8 @@ fn kind_of(kind: NameKind) -> CompletionKind {
         NameKind::Value | NameKind::Tag => CompletionKind::Value,
         NameKind::Touched | NameKind::Instance => CompletionKind::Instance,
         NameKind::Button | NameKind::Axis => CompletionKind::Input,
+        NameKind::Signal => CompletionKind::Input,
+        NameKind::SignalNumber => CompletionKind::Property,
         NameKind::Goal | NameKind::Never => CompletionKind::Function,
     }
 }

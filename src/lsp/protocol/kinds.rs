@@ -19,10 +19,10 @@ pub(super) fn of_name(kind: NameKind) -> SymbolKind {
         NameKind::Group | NameKind::TileSet => SymbolKind::Enum,
         NameKind::Mode => SymbolKind::Method,
         NameKind::Constant | NameKind::Parameter => SymbolKind::Constant,
-        NameKind::Variable | NameKind::Discrete | NameKind::Touched => SymbolKind::Variable,
+        NameKind::Variable | NameKind::Discrete | NameKind::Touched | NameKind::SignalNumber => SymbolKind::Variable,
         NameKind::Value | NameKind::Tag => SymbolKind::EnumMember,
         NameKind::Reference => SymbolKind::Field,
-        NameKind::Button | NameKind::Axis => SymbolKind::Event,
+        NameKind::Button | NameKind::Axis | NameKind::Signal => SymbolKind::Event,
         NameKind::Instance => SymbolKind::Object,
         NameKind::Condition | NameKind::Goal | NameKind::Never => SymbolKind::Boolean,
     }

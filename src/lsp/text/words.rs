@@ -47,6 +47,7 @@ const IN_ENTITIES: &[&str] = &[
     "clamp",
     "invariant",
     "condition",
+    "signal",
     "group",
     "mode",
     "initial",
@@ -55,7 +56,7 @@ const IN_ENTITIES: &[&str] = &[
     "use",
 ];
 const IN_MODES: &[&str] =
-    &["mode", "initial", "condition", "when", "else", "envelope", "follow", "spawn", "destroy", "use"];
+    &["mode", "initial", "condition", "when", "else", "envelope", "follow", "spawn", "destroy", "send", "use"];
 
 /// The keywords and snippets that can start a statement in a block, or at the top level.
 pub(in crate::lsp) fn statement_starts(block: Option<Block>) -> (&'static [&'static str], &'static [Snippet]) {

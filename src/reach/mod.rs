@@ -54,7 +54,7 @@ pub use exchange::plan_from_script;
 pub use improve_duration::improve_duration;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use monitor::{Monitor, Refutation};
-pub use nearest::{Index, Neighbour};
+pub use nearest::{Around, Index, Neighbour};
 pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
 pub use problem::{BadStart, Problem, Start, StateStatus, Target, Termination};

@@ -35,8 +35,8 @@ impl Seams {
     }
 }
 
-/// A rectangle, moved.
-fn moved(rect: &Rect, [x, y]: [f64; 2]) -> Rect {
+/// A box of a body, moved by a way, px; its space and where it came from stay.
+pub(super) fn moved(rect: &Rect, [x, y]: [f64; 2]) -> Rect {
     Rect { left: rect.left + x, right: rect.right + x, bottom: rect.bottom + y, top: rect.top + y, ..*rect }
 }
 

@@ -24,8 +24,9 @@ pub(super) fn images(world: &World, place: PositionBox) -> Vec<PositionBox> {
 fn along((low, high): (f64, f64), period: Option<Period>) -> Vec<(f64, f64)> {
     let Some(period) = period else { return vec![(low, high)] };
     let size = period.size();
-    // Also of an infinite range.
-    if !(high - low < size) {
+    // Of an infinite range, it is none.
+    let is_part = high - low < size;
+    if !is_part {
         return vec![(f64::NEG_INFINITY, f64::INFINITY)];
     }
     let first = ((period.low - high) / size).ceil();

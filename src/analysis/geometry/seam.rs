@@ -79,8 +79,9 @@ fn inside(period: Period, values: &Values) -> Values {
         let turns = ((interval.low - period.low) / size).floor();
         let way = turns * size;
         let (low, high) = (interval.low - way - slack, interval.high - way + slack);
-        // Also of infinite ends and of numbers that are too coarse.
-        if !(high - low < size - slack) || !(slack < size / 4.0) {
+        // It is not if an end is infinite, or if the numbers are too coarse.
+        let is_part = high - low < size - slack && slack < size / 4.0;
+        if !is_part {
             return whole.into();
         }
         // What rounding leaves beyond a border lies on the lower one.

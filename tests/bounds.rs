@@ -147,3 +147,52 @@ fn the_tag_of_a_contact_and_is_say_what_is_named() {
         assert_eq!(!line.contains("not ruled out"), is_ruled_out, "{text}");
     }
 }
+
+#[test]
+fn what_is_sent_bounds_what_is_received() {
+    let path = written(
+        "sent.hyped",
+        "entity Gun {
+             ref target: Target
+             discrete power: int 1..3 = 1
+             button fire
+             mode only {
+                 when pressed(fire) { send target.hit(power); send target.push(-0.5) }
+                 when timer > 1s { power += 1 }
+                 when timer > 9s and false { send target.never }
+             }
+         }
+         entity Target {
+             signal hit(points)
+             signal push(way: px)
+             signal never
+             signal nobody
+             discrete last: int 0..99 = 0
+             mode whole {
+                 when received(hit) { last := hit.points; x := x + push.way }
+                 when received(nobody) -> gone
+             }
+             mode gone { }
+         }
+         world W {
+             space main {
+                 place target: Target at (0, 0)
+                 place one: Gun at (0, 0) { target = target }
+                 place two: Gun at (0, 0) { target = target }
+             }
+             player 1: one
+             player 2: two
+             goal most: target.last == 6
+             goal more: target.last > 6
+             goal right: target.x > 0
+             goal left: target.x < 0
+             goal gone: target in gone
+         }",
+    );
+    let text = bounds(&[&path]);
+    let expected = [("most", false), ("more", true), ("right", true), ("left", false), ("gone", true)];
+    for (goal, is_ruled_out) in expected {
+        let line = text.lines().find(|line| line.contains(&format!("goal {goal}: "))).unwrap();
+        assert_eq!(!line.contains("not ruled out"), is_ruled_out, "{text}");
+    }
+}

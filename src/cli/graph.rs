@@ -33,7 +33,7 @@ pub(super) fn run(args: &GraphArgs) -> io::Result<Exit> {
 fn choose(loaded: &Loaded, args: &GraphArgs) -> io::Result<Option<Vec<EntityId>>> {
     let entities = &loaded.program.entities;
     let file = args.file.display();
-    let names: Vec<&str> = entities.iter().map(|e| e.name.as_str()).collect();
+    let names: Vec<&str> = entities.iter().map(|e| &*e.name).collect();
     let mut chosen = Vec::new();
     for name in &args.entity {
         let Some(id) = loaded.program.entity_named(name) else {

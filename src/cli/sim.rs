@@ -334,7 +334,7 @@ impl<'s> Report<'s> {
         let mut out = Diagnostics::new();
         for &(step, slot, spawn) in &self.refused {
             let of = slots[slot].entity;
-            let entity = program.entities[program.entities[of].spawns[spawn].entity].name.clone();
+            let entity = program.entities[program.entities[of].spawns[spawn].entity].name.to_string();
             let at = program.spans.entities[of].spawns[spawn];
             out.report(RefusedSpawn { at, instance: slots[slot].name.clone(), entity, step });
         }

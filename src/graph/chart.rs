@@ -104,7 +104,7 @@ pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
         Some(Edge { source: edge.source.0 as usize, target: edge.target?.0 as usize, order, guard, updates })
     });
     Chart {
-        entity: entity.name.clone(),
+        entity: entity.name.to_string(),
         regions: regions.filter(|r| !r.modes.is_empty()).collect(),
         modes: entity.modes.ids().map(|mode| reader.mode(mode)).collect(),
         edges: edges.collect(),

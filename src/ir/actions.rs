@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{EntityId, ExprId, ParamId, Place, RefId, SendId, SignalId, SpawnId, Subject, SumId};
+use super::{EntityId, ExprId, ParamId, Place, RefId, SendId, SignalId, SpawnId, Subject};
 
 /// What happens on an edge, or when a mode is entered. All right sides read the state before the step.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ pub struct Signal {
     /// Its name.
     pub name: String,
     /// The number that comes with it.
-    pub sum: Option<SumId>,
+    pub number: Option<Sum>,
 }
 
 /// The number of a signal, added up over all that is sent in a step.

@@ -24,6 +24,11 @@ impl Entity {
         out
     }
 
+    /// The number of signals that come with a number, the first ones.
+    pub fn numbered_signals(&self) -> usize {
+        self.signals.iter().take_while(|signal| signal.number.is_some()).count()
+    }
+
     /// All its actions in the discrete phase: on edges, on entry of modes, on links.
     pub fn action_lists(&self) -> impl Iterator<Item = &Actions> {
         self.guarded_actions().map(|(_, actions)| actions)

@@ -56,7 +56,6 @@ ids! {
     RefId "ref" "A reference of one entity."
     SpawnId "spawn" "A `spawn` of one entity."
     SignalId "signal" "A signal that one entity receives: one bit of the state."
-    SumId "sum" "The number of a signal that one entity receives: one real number of the state."
     SendId "send" "A `send` of one entity."
     FollowId "follow" "A `follow links` of one entity."
     ButtonId "button" "A button that one entity reads."

@@ -77,7 +77,7 @@ impl Layout {
                 let start = take(0);
                 let vars = take(24 * e.vars.len());
                 let params = (!slot.is_fixed).then(|| take(8 * e.params.len()));
-                let sums = take(8 * e.sums.len());
+                let sums = take(8 * e.numbered_signals());
                 let (discretes, timers) = (take(4 * e.discretes.len()), take(4 * e.timers.len()));
                 let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
                 let peaks = take(if peaked { 2 * e.envelopes.len() } else { 0 });

@@ -33,7 +33,7 @@ pub use arithmetic::{arithmetic, call, compare};
 pub use ids::{
     AxisId, ButtonId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId, GroupId, Id,
     IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, RefId, SendId, SignalId, SlotId, SpaceId, SpawnId,
-    SumId, TagId, TimerId, TouchId, VarId, WorldId,
+    TagId, TimerId, TouchId, VarId, WorldId,
 };
 pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, SlotLayout};

@@ -13,7 +13,7 @@ impl Program {
 
     /// The entity with a name.
     pub fn entity_named(&self, name: &str) -> Option<EntityId> {
-        self.entities.find(|entity| entity.name == name)
+        self.entities.find(|entity| *entity.name == *name)
     }
 }
 

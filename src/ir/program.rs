@@ -5,11 +5,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::Spans;
-use super::actions::{Actions, Send, Signal, Spawn, Sum};
+use super::actions::{Actions, Send, Signal, Spawn};
 use super::{
     Arena, Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId,
     FollowId, Function, GroupId, IdRange, IdVec, LeafId, ModeId, ParamId, Press, RareVec, RefId, SendId, Side,
-    SignalId, SlotId, SpaceId, SpawnId, Subject, SumId, TagId, TimerId, TouchId, VarId, World, WorldId,
+    SignalId, SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World, WorldId,
 };
 
 /// A compiled program.
@@ -111,7 +111,7 @@ pub enum Expr {
     /// A signal was sent to the instance in the step before.
     Received(SignalId),
     /// The sum of the numbers that were sent to the instance with a signal in the step before, 0 of none.
-    Sum(SumId),
+    Sum(SignalId),
     /// There is no such instance.
     IsNone(Subject),
     /// There is one, of this entity.
@@ -140,7 +140,7 @@ pub enum Expr {
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct Entity {
     /// Its name.
-    pub name: String,
+    pub name: Box<str>,
     /// Its documentation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doc: Option<Box<str>>,
@@ -178,12 +178,9 @@ pub struct Entity {
     pub timers: RareVec<TimerId, Timer>,
     /// What is spawned on edges.
     pub spawns: RareVec<SpawnId, Spawn>,
-    /// Signals that it receives.
+    /// Signals that it receives; those with a number first.
     #[serde(default, skip_serializing_if = "RareVec::is_none")]
     pub signals: RareVec<SignalId, Signal>,
-    /// The numbers that come with signals.
-    #[serde(default, skip_serializing_if = "RareVec::is_none")]
-    pub sums: RareVec<SumId, Sum>,
     /// What it sends.
     #[serde(default, skip_serializing_if = "RareVec::is_none")]
     pub sends: RareVec<SendId, Send>,

@@ -311,9 +311,9 @@ fn expression<'a>(
             format!("{}({})", if entering { "entering" } else { "exiting" }, me().modes[mode].path)
         }
         Expr::Received(signal) => format!("received({})", me().signals[signal].name),
-        Expr::Sum(sum) => {
-            let signal = me().signals.iter().find(|signal| signal.sum == Some(sum));
-            format!("{}.{}", signal.map_or("", |signal| &signal.name), me().sums[sum].name)
+        Expr::Sum(id) => {
+            let signal = &me().signals[id];
+            format!("{}.{}", signal.name, signal.number.as_ref().map_or("", |number| &number.name))
         }
         Expr::IsNone(of) => format!("{} is none", owner(of).trim_end_matches('.')),
         Expr::Is(of, e) => format!("{} is {}", owner(of).trim_end_matches('.'), p.entities[e].name),

@@ -4,9 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::Unused;
-use crate::ir::{
-    AxisId, ButtonId, DiscreteId, EntityId, ParamId, Place, RefId, SignalId, Subject, SumId, VarId, WorldId,
-};
+use crate::ir::{AxisId, ButtonId, DiscreteId, EntityId, ParamId, Place, RefId, SignalId, Subject, VarId, WorldId};
 use crate::sema::checked::{Action, By, Checked, Condition, Entity, Given, Name, Term, TermKind};
 use crate::source::{FileId, Span};
 
@@ -84,7 +82,6 @@ enum ReadTarget {
     Button(ButtonId),
     Axis(AxisId),
     Signal(SignalId),
-    Sum(SumId),
     /// Its identity, contacts or mode.
     Itself,
 }
@@ -96,8 +93,7 @@ fn read(term: &TermKind) -> Option<(Subject, ReadTarget)> {
         TermKind::Discrete(of, id) => (of, ReadTarget::Discrete(id)),
         TermKind::Button(_, id) => (Subject::Me, ReadTarget::Button(id)),
         TermKind::Axis(id) => (Subject::Me, ReadTarget::Axis(id)),
-        TermKind::Received(id) => (Subject::Me, ReadTarget::Signal(id)),
-        TermKind::Sum(id) => (Subject::Me, ReadTarget::Sum(id)),
+        TermKind::Received(id) | TermKind::Sum(id) => (Subject::Me, ReadTarget::Signal(id)),
         TermKind::IsNone(of)
         | TermKind::Is(of, _)
         | TermKind::Instance(of)
@@ -155,8 +151,7 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
             judge("reference", &r.name, reads.refs.contains(&(id, reference)), written);
         }
         for (signal, s) in entity.signals.pairs() {
-            let sum = s.number.is_some_and(|sum| reads.has(id, ReadTarget::Sum(sum)));
-            judge("signal", &s.name, sum || reads.has(id, ReadTarget::Signal(signal)), None);
+            judge("signal", &s.name, reads.has(id, ReadTarget::Signal(signal)), None);
         }
         for condition in &entity.conditions {
             judge("condition", &condition.name, condition.is_used, None);

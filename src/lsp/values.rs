@@ -52,7 +52,7 @@ impl Ranges {
                 }
             }
         }
-        out.by_variable.retain(|(entity, _), _| !given_up.iter().any(|id| program.entities[*id].name == *entity));
+        out.by_variable.retain(|(entity, _), _| !given_up.iter().any(|id| *program.entities[*id].name == **entity));
         out
     }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function, GroupId,
-    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SignalId, SlotId, SpaceId, Subject, SumId, TagId,
-    TouchId, VarId, WorldId,
+    Id, IdVec, ModeId, ParamId, Place, Press, RareVec, RefId, Side, SignalId, SlotId, SpaceId, Subject, TagId, TouchId,
+    VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;
@@ -164,7 +164,7 @@ pub enum TermKind {
     /// A signal of the entity was sent to the instance in the step before.
     Received(SignalId),
     /// The sum of the numbers that came with a signal.
-    Sum(SumId),
+    Sum(SignalId),
     /// The reference is none.
     IsNone(Subject),
     /// The reference is to an instance of an entity.
@@ -207,7 +207,7 @@ pub struct Entity {
     /// Its name.
     pub name: Name,
     /// Its documentation.
-    pub doc: Option<String>,
+    pub doc: Option<Box<str>>,
     /// Parameters; a default may read earlier ones.
     pub params: RareVec<ParamId, Param>,
     /// Continuous variables, `x` and `y` first.
@@ -216,10 +216,8 @@ pub struct Entity {
     pub discretes: RareVec<DiscreteId, Discrete>,
     /// References.
     pub refs: RareVec<RefId, Reference>,
-    /// Signals that it receives.
+    /// Signals that it receives; those with a number first.
     pub signals: RareVec<SignalId, Signal>,
-    /// The numbers that come with signals.
-    pub sums: RareVec<SumId, Sum>,
     /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
     /// Buttons that it reads.
@@ -245,7 +243,7 @@ pub struct Entity {
     /// Named conditions, which their uses have replaced.
     pub conditions: Box<[Condition]>,
     /// The groups in the order of decision: a group comes after those that its guards depend on.
-    pub order: Vec<GroupId>,
+    pub order: Box<[GroupId]>,
 }
 
 impl Entity {
@@ -279,7 +277,7 @@ pub struct Signal {
     /// Its name.
     pub name: Name,
     /// The number that comes with it.
-    pub number: Option<SumId>,
+    pub number: Option<Sum>,
 }
 
 /// The number of a signal, added up over all that is sent in a step.
@@ -289,8 +287,6 @@ pub struct Sum {
     pub name: Name,
     /// Its dimension; a number without one is whole.
     pub dimension: Option<Annotation>,
-    /// The signal.
-    pub signal: SignalId,
 }
 
 impl Sum {

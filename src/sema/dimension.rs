@@ -6,7 +6,7 @@
 
 mod report;
 
-use crate::ir::{Arithmetic, EntityId, Function, ParamId, Place, SlotId, Subject, SumId, VarId};
+use crate::ir::{Arithmetic, EntityId, Function, ParamId, Place, SignalId, SlotId, Subject, VarId};
 
 use std::collections::BTreeMap;
 
@@ -494,8 +494,9 @@ impl Solver<'_> {
     }
 
     /// The dimension of the number of a signal: as declared, else that of a whole number.
-    fn of_sum(&self, entity: EntityId, sum: SumId) -> Dim {
-        let declared = self.program.entities[entity].sums[sum].dimension;
+    fn of_sum(&self, entity: EntityId, signal: SignalId) -> Dim {
+        let number = self.program.entities[entity].signals[signal].number.as_ref();
+        let declared = number.and_then(|number| number.dimension);
         declared.map_or(Dim::known(0, 0), |a| Dim::known(i64::from(a.px), i64::from(a.s)))
     }
 
@@ -523,9 +524,8 @@ impl Solver<'_> {
                     Action::Spawn(spawn) => this.given(spawn.entity, &spawn.given, &context),
                     Action::Destroy(_) => {}
                     Action::Send(send) => {
-                        let sum = this.program.entities[send.entity].signals[send.signal].number;
-                        if let (Some(sum), Some(number)) = (sum, &send.number) {
-                            let needed = this.of_sum(send.entity, sum);
+                        if let Some(number) = &send.number {
+                            let needed = this.of_sum(send.entity, send.signal);
                             this.place(number, &needed, &context);
                         }
                     }

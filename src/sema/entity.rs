@@ -17,7 +17,7 @@ use crate::syntax::ast::{self, ALWAYS, Domain, Expr, Initial, Member, Name, Word
 use crate::syntax::occurrence::NameKind;
 
 use super::checked::SetId;
-use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Term, TermKind, Type, Var};
+use super::checked::{Annotation, Discrete, Entity, Group, Param, Reference, Signal, Term, TermKind, Type, Var};
 use super::condition::Conditions;
 use super::constant::{ConstantContext, ConstantError, evaluate};
 use super::expression::{ReadLimit, Scope};
@@ -92,13 +92,12 @@ impl Checker<'_> {
     pub(super) fn skeleton(&mut self, syntax: ast::Entity) -> (Entity, PendingBody) {
         let mut entity = Entity {
             name: syntax.name,
-            doc: syntax.doc,
+            doc: syntax.doc.map(String::into_boxed_str),
             params: RareVec::new(),
             vars: IdVec::new(),
             discretes: RareVec::new(),
             refs: RareVec::new(),
             signals: RareVec::new(),
-            sums: RareVec::new(),
             bound: RareVec::new(),
             buttons: RareVec::new(),
             axes: RareVec::new(),
@@ -111,7 +110,7 @@ impl Checker<'_> {
             clamps: Vec::new(),
             invariants: Vec::new(),
             conditions: Box::default(),
-            order: Vec::new(),
+            order: Box::default(),
         };
         let mut body = PendingBody { members: Vec::new(), modes: Boxes::new() };
         for text in ["x", "y"] {
@@ -120,7 +119,7 @@ impl Checker<'_> {
         }
         // The scope of parameter defaults.
         let mut names = Skeleton::of(&entity, &[], &self.conditions);
-        let mut modes: Vec<Member> = Vec::new();
+        let (mut modes, mut signals): (Vec<Member>, Vec<Signal>) = (Vec::new(), Vec::new());
         // Parameters and variables share one name space; buttons and axes another.
         let mut values: Table<()> = Table::new("parameter or variable");
         let mut inputs: Table<()> = Table::new("input");
@@ -174,7 +173,7 @@ impl Checker<'_> {
                 }
                 Member::Signal(signal) => {
                     if self.is_new_value(&signal.name, &mut values) {
-                        self.signal(*signal, &mut entity);
+                        signals.push(self.signal(*signal));
                     }
                 }
                 Member::Buttons(list) => {
@@ -210,6 +209,9 @@ impl Checker<'_> {
                 other => body.members.push(other),
             }
         }
+        // Those with a number come first.
+        signals.sort_by_key(|signal| signal.number.is_none());
+        entity.signals = signals.into_iter().collect();
         self.groups(modes, &mut entity, &mut body.modes);
         (entity, body)
     }
@@ -491,7 +493,7 @@ impl Checker<'_> {
         }
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
-        entity.order = self.group_order(&entity);
+        entity.order = self.group_order(&entity).into();
         entity.conditions = self.take_conditions(&scope).into();
         entity.bound = std::mem::take(&mut self.facts.bound).into();
         entity

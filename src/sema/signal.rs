@@ -2,27 +2,26 @@
 //! is received in the next one, in guards and updates of edges.
 
 use crate::diagnostic::catalogue::types::{TypeMismatch, WrongArguments};
-use crate::ir::{EntityId, Id, SignalId};
+use crate::ir::EntityId;
 use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name, PathRef, Receivers};
 use crate::syntax::occurrence::NameKind;
 
 use super::Checker;
-use super::checked::{Entity, Send, Signal, Sum, Term, TermKind, Type};
+use super::checked::{Send, Signal, Sum, Term, TermKind, Type};
 use super::expression::{ReadLimit, Scope};
 use super::names::unknown;
 
 impl Checker<'_> {
     /// Declares a signal, and its number.
-    pub(super) fn signal(&mut self, declared: ast::Signal, entity: &mut Entity) -> SignalId {
+    pub(super) fn signal(&mut self, declared: ast::Signal) -> Signal {
         self.record_declaration(NameKind::Signal, &declared.name);
-        let id = SignalId::from_index(entity.signals.len());
         let number = declared.number.map(|(name, dimension)| {
             self.record_declaration(NameKind::SignalNumber, &name);
             let dimension = dimension.as_ref().and_then(|d| self.annotation(d));
-            entity.sums.push(Sum { name, dimension, signal: id })
+            Sum { name, dimension }
         });
-        entity.signals.push(Signal { name: declared.name, number })
+        Signal { name: declared.name, number }
     }
 
     /// `send ship.score(100)`, `send all Door.open`
@@ -39,11 +38,11 @@ impl Checker<'_> {
             return None;
         };
         self.record_use(NameKind::Signal, send.signal.span, known.name.span);
-        let number = match (&send.number, known.number) {
+        let number = match (&send.number, &known.number) {
             (None, None) => None,
-            (Some(number), Some(sum)) => Some(self.typed(number, scope, &entity.sums[sum].ty())?),
+            (Some(number), Some(sum)) => Some(self.typed(number, scope, &sum.ty())?),
             (None, Some(sum)) => {
-                let (signal, name) = (&known.name.text, &entity.sums[sum].name.text);
+                let (signal, name) = (&known.name.text, &sum.name.text);
                 self.diagnostics.report(TypeMismatch {
                     at: send.signal.span,
                     found: "no number".into(),
@@ -133,17 +132,17 @@ impl Checker<'_> {
         scope: &Scope<'_>,
     ) -> Option<Option<Term>> {
         let entity = scope.entity?;
-        let signal = entity.signals.iter().find(|signal| signal.name.text == first.text)?;
+        let (id, signal) = entity.signals.pairs().find(|(_, signal)| signal.name.text == first.text)?;
         Some((|| {
             self.record_use(NameKind::Signal, first.span, signal.name.span);
             self.unprimed(path)?;
-            let sum = signal.number.map(|sum| (sum, &entity.sums[sum]));
-            let Some((id, sum)) = sum.filter(|(_, sum)| sum.name.text == second.text) else {
-                let known = sum.into_iter().map(|(_, sum)| &sum.name);
+            let number = signal.number.as_ref();
+            let Some(sum) = number.filter(|sum| sum.name.text == second.text) else {
+                let known = number.into_iter().map(|sum| &sum.name);
                 let fact = unknown("number of the signal", &second.text, second.span, known);
                 let meant =
                     format!("`{0}` is sent without one: `signal {0}({1})` declares it", first.text, second.text);
-                self.report_unknown(fact.suggestion(sum.is_none().then_some(meant)));
+                self.report_unknown(fact.suggestion(number.is_none().then_some(meant)));
                 return None;
             };
             self.record_use(NameKind::SignalNumber, second.span, sum.name.span);
@@ -156,7 +155,7 @@ impl Checker<'_> {
     pub(super) fn signal_as_value(&mut self, name: &Name, scope: &Scope<'_>) -> bool {
         let signal = scope.entity.and_then(|e| e.signals.iter().find(|signal| signal.name.text == name.text));
         let Some(signal) = signal else { return false };
-        let sum = signal.number.and_then(|sum| Some(&scope.entity?.sums[sum].name.text));
+        let sum = signal.number.as_ref().map(|sum| &sum.name.text);
         let asks = format!("`received({})` asks whether it was received", name.text);
         let help = match sum {
             Some(sum) => format!("{asks}, `{}.{sum}` is the sum of what was sent", name.text),

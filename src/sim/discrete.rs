@@ -185,7 +185,7 @@ impl Simulator {
     fn clear_signals(&self, state: &mut [u8]) {
         for &slot in &self.receivers {
             let entity = self.entity(slot);
-            self.layout(slot).clear_signals(state, entity.signals.len(), entity.sums.len());
+            self.layout(slot).clear_signals(state, entity.signals.len(), entity.numbered_signals());
         }
     }
 
@@ -203,11 +203,11 @@ impl Simulator {
         for &slot in self.receivers.iter().filter(|slot| is_receiver(slot)) {
             let layout = self.layout(slot);
             layout.set_signal(state, signal);
-            if let (Some((at, value)), Some(id)) = (value, self.entity(slot).signals[signal].sum) {
-                let value = if self.entity(slot).sums[id].is_whole { value.round() } else { value };
-                let sum = layout.sum(state, id);
+            if let (Some((at, value)), Some(number)) = (value, &self.entity(slot).signals[signal].number) {
+                let value = if number.is_whole { value.round() } else { value };
+                let sum = layout.sum(state, signal);
                 let total = reader.checked(at, sum + value, [sum, value]);
-                layout.set_sum(state, id, total);
+                layout.set_sum(state, signal, total);
             }
         }
     }

@@ -168,7 +168,9 @@ impl Simulator {
         };
         for (slot, table) in self.world().slots.pairs() {
             let (entity, layout) = (self.entity(slot), self.layout(slot));
-            [&table.name, &entity.name].into_iter().chain(entity.vars.iter()).for_each(|name| add(name));
+            add(&table.name);
+            add(&entity.name);
+            entity.vars.iter().for_each(|name| add(name));
             if layout.params.is_some() {
                 entity.params.iter().for_each(|param| add(&param.name));
             }
@@ -176,6 +178,7 @@ impl Simulator {
             entity.timers.iter().for_each(|timer| add(&entity.modes[timer.mode].path));
             entity.leaves.iter().for_each(|leaf| add(&entity.modes[leaf.mode].path));
             entity.refs.iter().for_each(|reference| add(&reference.name));
+            entity.signals.iter().for_each(|s| add(&format!("{} {}", s.name, s.number.is_some())));
             for touch in entity.touches.iter() {
                 add(&format!("{} {} {:?} {}", touch.mine.0, touch.other, touch.side, touch.bound));
             }

@@ -2,7 +2,7 @@
 //! so a state can be moved between machines.
 
 use crate::ir::{
-    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SignalId, SlotId, SlotLayout, SpaceId, SumId, TimerId,
+    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SignalId, SlotId, SlotLayout, SpaceId, TimerId,
     TouchId, VarId,
 };
 
@@ -170,13 +170,13 @@ impl SlotLayout {
 
     /// The sum of what was sent with a signal in the last step.
     #[inline]
-    pub fn sum(&self, state: &[u8], id: SumId) -> f64 {
+    pub fn sum(&self, state: &[u8], id: SignalId) -> f64 {
         real(state, self.sums + 8 * id.index())
     }
 
     /// Writes the sum of what was sent with a signal.
     #[inline]
-    pub fn set_sum(&self, state: &mut [u8], id: SumId, value: f64) {
+    pub fn set_sum(&self, state: &mut [u8], id: SignalId, value: f64) {
         set_real(state, self.sums + 8 * id.index(), one_zero(value));
     }
 

@@ -198,7 +198,7 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
         match slot.origin {
             Origin::Named => names.push((class, slot.name.clone(), around)),
             _ => {
-                let name = context.program.entities[slot.entity].name.clone();
+                let name = context.program.entities[slot.entity].name.to_string();
                 let near = |(_, other, rect): &Name| *other == name && (rect.x - around.x).abs() < SAME_NAME;
                 if !unnamed.iter().any(near) {
                     unnamed.push((class, name, around));

@@ -161,9 +161,9 @@ pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
         for (id, signal) in entity.signals.pairs() {
             let sum = thing.signals.get(&id.0);
             differs(signal.name.clone(), layout.signal(state, id).to_string(), sum.is_some().to_string());
-            if let Some(number) = signal.sum {
+            if let Some(number) = &signal.number {
                 let ours = sum.copied().unwrap_or(0.0) + 0.0;
-                differs(entity.sums[number].name.clone(), shown(layout.sum(state, number)), shown(ours));
+                differs(number.name.clone(), shown(layout.sum(state, id)), shown(ours));
             }
         }
         let theirs = layout.carrier(state).map(SlotId::index);

@@ -136,11 +136,7 @@ impl<'a> Code<'a> {
                 truth(self.joint.is_some_and(|(entered, left)| if *entering { entered } else { left }.contains(mode)))
             }
             TermKind::Received(signal) => truth(self.my().is_some_and(|me| me.signals.contains_key(&signal.0))),
-            TermKind::Sum(sum) => {
-                let signal = self.me.map(|me| self.oracle.entity(me).sums[*sum].signal.0);
-                let mine = self.my().zip(signal).and_then(|(me, signal)| me.signals.get(&signal));
-                mine.copied().unwrap_or(0.0)
-            }
+            TermKind::Sum(signal) => self.my().and_then(|me| me.signals.get(&signal.0)).copied().unwrap_or(0.0),
             TermKind::IsNone(of) => truth(self.slot(*of).is_none()),
             TermKind::Is(of, entity) => {
                 truth(self.slot(*of).is_some_and(|slot| self.oracle.entity_id(slot) == *entity))

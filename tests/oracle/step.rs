@@ -322,7 +322,7 @@ impl<'p> Oracle<'p> {
                 Action::Send(send) => {
                     let number = send.number.as_ref().map(|number| code.value(number)).transpose()?;
                     let of = &self.program.entities[send.entity];
-                    let sum = of.signals[send.signal].number.map(|sum| &of.sums[sum]);
+                    let sum = of.signals[send.signal].number.as_ref();
                     let number = match (number, sum) {
                         (Some(number), Some(sum)) if sum.dimension.is_none() => number.round(),
                         (number, _) => number.unwrap_or(0.0),

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{EntityId, Send, SendId, SignalId, SumId};
+use crate::ir::{EntityId, Send, SendId, SignalId};
 
 use crate::analysis::domain::values::Interval;
 
@@ -40,7 +40,7 @@ impl Sent {
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(in crate::analysis) struct Received {
     signals: BTreeSet<(EntityId, SignalId)>,
-    sums: BTreeMap<(EntityId, SumId), Total>,
+    sums: BTreeMap<(EntityId, SignalId), Total>,
 }
 
 /// A sum of numbers, each of which may be sent.
@@ -55,16 +55,16 @@ struct Total {
 }
 
 impl Received {
-    /// Adds what one instance can send at most once in a step; `sum` is the number of the signal, and whether it is
-    /// whole.
-    pub fn add(&mut self, send: &Send, sum: Option<(SumId, bool)>, value: Interval) {
+    /// Adds what one instance can send at most once in a step; `is_whole` tells of its number, if the signal has
+    /// one.
+    pub fn add(&mut self, send: &Send, is_whole: Option<bool>, value: Interval) {
         self.signals.insert((send.entity, send.signal));
-        let Some((sum, is_whole)) = sum else { return };
+        let Some(is_whole) = is_whole else { return };
         let value = if is_whole { value.map(f64::round) } else { value };
         // It may not be sent.
         let value = value.or(Interval::point(0.0));
         let none = Total { value: Interval::point(0.0), size: 0.0, count: 0.0, is_whole };
-        let total = self.sums.entry((send.entity, sum)).or_insert(none);
+        let total = self.sums.entry((send.entity, send.signal)).or_insert(none);
         total.value = total.value.plus(value);
         total.size += value.low.abs().max(value.high.abs());
         total.count += 1.0;
@@ -76,15 +76,15 @@ impl Received {
     }
 
     /// The values of a sum.
-    pub fn sum(&self, entity: EntityId, sum: SumId) -> Interval {
-        self.sums.get(&(entity, sum)).map_or(Interval::point(0.0), Total::rounded)
+    pub fn sum(&self, entity: EntityId, signal: SignalId) -> Interval {
+        self.sums.get(&(entity, signal)).map_or(Interval::point(0.0), Total::rounded)
     }
 
     /// Whether instances of an entity can receive something else than before.
     pub fn differs(&self, before: &Received, entity: EntityId) -> bool {
         let of = |received: &Received| {
             let signals = received.signals.range((entity, SignalId(0))..=(entity, SignalId(u32::MAX)));
-            let sums = received.sums.range((entity, SumId(0))..=(entity, SumId(u32::MAX)));
+            let sums = received.sums.range((entity, SignalId(0))..=(entity, SignalId(u32::MAX)));
             (signals.copied().collect::<Vec<_>>(), sums.map(|(k, v)| (*k, *v)).collect::<Vec<_>>())
         };
         of(self) != of(before)
@@ -100,7 +100,9 @@ impl Total {
             return self.value;
         }
         let error = self.size * self.count * f64::EPSILON;
-        Interval { low: self.value.low - error, high: self.value.high + error }
+        // However they are rounded, numbers of one sign have a sum of that sign.
+        let beyond = |end: f64, error: f64| if end == 0.0 { end } else { end + error };
+        Interval { low: beyond(self.value.low, -error), high: beyond(self.value.high, error) }
     }
 }
 
@@ -114,9 +116,9 @@ mod tests {
         let sum = |is_whole: bool, numbers: &[f64]| {
             let mut received = Received::default();
             for number in numbers {
-                received.add(&send, Some((SumId(0), is_whole)), Interval::point(*number));
+                received.add(&send, Some(is_whole), Interval::point(*number));
             }
-            received.sum(EntityId(0), SumId(0))
+            received.sum(EntityId(0), SignalId(0))
         };
         assert_eq!(sum(true, &[3.0, 4.0, -2.0]), Interval { low: -2.0, high: 7.0 });
         assert_eq!(sum(true, &[2.5]), Interval { low: 0.0, high: 3.0 });

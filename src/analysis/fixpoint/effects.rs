@@ -18,8 +18,8 @@ impl Analysis<'_> {
             for (id, send) in self.entity(slot).sends.pairs() {
                 let value = if known.is_given_up { Some(Interval::ALL) } else { known.sent.get(id) };
                 let of = &self.program.entities[send.entity];
-                let sum = of.signals[send.signal].sum.map(|sum| (sum, of.sums[sum].is_whole));
-                value.into_iter().for_each(|value| received.add(send, sum, value));
+                let is_whole = of.signals[send.signal].number.as_ref().map(|number| number.is_whole);
+                value.into_iter().for_each(|value| received.add(send, is_whole, value));
             }
         }
         if received == self.received {

@@ -61,7 +61,7 @@ fn shell(e: &checked::Entity) -> Entity {
         first: ExprId(0),
     });
     Entity {
-        name: e.name.text.to_string(),
+        name: (*e.name.text).into(),
         doc: e.doc.as_deref().map(Box::from),
         params: RareVec::new(),
         vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),
@@ -84,21 +84,22 @@ fn shell(e: &checked::Entity) -> Entity {
         bound: e.bound.len(),
         timers: RareVec::new(),
         spawns: RareVec::new(),
-        signals: e.signals.iter().map(|s| Signal { name: s.name.text.to_string(), sum: s.number }).collect(),
-        sums: e
-            .sums
-            .iter()
-            .map(|sum| Sum { name: sum.name.text.to_string(), is_whole: sum.ty() == checked::Type::Int })
-            .collect(),
+        signals: e.signals.iter().map(signal).collect(),
         sends: RareVec::new(),
         follows: RareVec::new(),
         clamps: Box::default(),
         invariants: Box::default(),
-        order: e.order.as_slice().into(),
+        order: e.order.clone(),
         free: Box::default(),
         inputs: Inputs::default(),
         code: IdRange::new(ExprId(0), ExprId(0)),
     }
+}
+
+fn signal(signal: &checked::Signal) -> Signal {
+    let number = signal.number.as_ref();
+    let number = number.map(|sum| Sum { name: sum.name.text.to_string(), is_whole: sum.ty() == checked::Type::Int });
+    Signal { name: signal.name.text.to_string(), number }
 }
 
 fn spans(e: &checked::Entity) -> EntitySpans {

@@ -126,7 +126,10 @@ impl<'p> Code<'p> {
             Expr::Timer(timer) => exists(timer, &me()?.timers),
             Expr::Joint(mode, _) => exists(mode, &me()?.modes),
             Expr::Received(signal) => exists(signal, &me()?.signals),
-            Expr::Sum(sum) => exists(sum, &me()?.sums),
+            Expr::Sum(signal) => {
+                exists(signal, &me()?.signals)?;
+                ensure(me()?.signals[signal].number.is_some(), "the signal comes without a number")
+            }
             Expr::IsNone(subject) | Expr::Near { of: subject, .. } => self.subject(owner, subject),
             Expr::Is(subject, entity) => {
                 self.subject(owner, subject)?;

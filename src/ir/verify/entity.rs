@@ -4,7 +4,7 @@
 use crate::ir::{
     Actions, By, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, EntityId, EntitySpans, Envelope, ExprId,
     Follow, Group, GroupId, Id, IdVec, Inputs, Leaf, LeafId, MAX_AXES, MAX_BUTTONS, MAX_MODES, Mode, ModeId, Param,
-    Place, Program, RefUpdate, Reference, Release, Send, Spawn, Timer, Touch, Update, VarId,
+    Place, Program, RefUpdate, Reference, Release, Send, Signal, Spawn, Timer, Touch, Update, VarId,
 };
 
 use super::code::{Code, Facts, Owner};
@@ -59,7 +59,6 @@ impl EntityVerifier<'_> {
             timers,
             spawns: _,
             signals,
-            sums,
             sends: _,
             follows: _,
             clamps,
@@ -102,10 +101,10 @@ impl EntityVerifier<'_> {
             exists(*other, &self.program.tags).at("other")?;
             ensure(*keeps == (id.index() < *bound), "those that keep whom they find come first").at("bound")
         })?;
-        each("signals", signals, |_, signal| signal.sum.map_or(Ok(()), |sum| exists(sum, sums)).at("sum"))?;
-        let mut numbers: Vec<_> = signals.iter().filter_map(|signal| signal.sum).collect();
-        numbers.sort_unstable();
-        ensure(numbers.into_iter().eq(sums.ids()), "each is of one signal").at("sums")?;
+        let numbered = self.entity.numbered_signals();
+        each("signals", signals, |id, Signal { name: _, number }| {
+            ensure(number.is_some() == (id.index() < numbered), "those with a number come first").at("number")
+        })?;
         each("timers", timers, |_, Timer { mode, thresholds }| {
             exists(*mode, modes).at("mode")?;
             each_of("thresholds", thresholds.as_deref().unwrap_or_default(), |id| self.expr(*id))
@@ -344,7 +343,8 @@ impl EntityVerifier<'_> {
         if let Some(to) = to {
             self.code.subject(Owner::Entity(self.id), to).at("to")?;
         }
-        ensure(value.is_some() == of.signals[signal].sum.is_some(), "it has no number, or one too many").at("value")?;
+        ensure(value.is_some() == of.signals[signal].number.is_some(), "it has no number, or one too many")
+            .at("value")?;
         value.map_or(Ok(()), |value| self.code.check(Owner::Entity(self.id), value, facts).at("value"))
     }
 

@@ -91,8 +91,8 @@ impl CompletionCollector<'_> {
                 _ => None,
             });
             let signal = entity.signals.iter().find(|s| s.name.text == first);
-            if let Some(sum) = signal.and_then(|signal| signal.number) {
-                self.add(0, &entity.sums[sum].name.text, CompletionKind::Property, "number of a signal");
+            if let Some(sum) = signal.and_then(|signal| signal.number.as_ref()) {
+                self.add(0, &sum.name.text, CompletionKind::Property, "number of a signal");
                 return;
             }
             match referred.or(tested) {

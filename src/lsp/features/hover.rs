@@ -169,7 +169,7 @@ pub(super) fn owners<'c>(
         NameKind::Discrete => e.discretes.iter().any(|d| is_it(d.name.span)),
         NameKind::Condition => e.conditions.iter().any(|c| is_it(c.name.span)),
         NameKind::Signal => e.signals.iter().any(|s| is_it(s.name.span)),
-        NameKind::SignalNumber => e.sums.iter().any(|s| is_it(s.name.span)),
+        NameKind::SignalNumber => e.signals.iter().filter_map(|s| s.number.as_ref()).any(|n| is_it(n.name.span)),
         NameKind::Reference => e.refs.iter().any(|r| is_it(r.name.span)),
         NameKind::Button => e.buttons.iter().any(|b| is_it(b.span)),
         NameKind::Axis => e.axes.iter().any(|a| is_it(a.span)),

@@ -122,7 +122,7 @@ impl Generator<'_> {
             8 => format!("-({a})"),
             9 => {
                 let angle = self.ratio();
-                let turn = self.draw.one(&["sin", "cos", "sign", "floor", "floor", "ceil", "round", "round"]);
+                let turn = self.draw.one(&["sin", "cos", "sign", "floor", "floor", "ceil", "ceil", "round", "round"]);
                 format!("({a} + {known} * {turn}({angle}))")
             }
             10 => {

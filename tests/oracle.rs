@@ -12,6 +12,7 @@ mod flow;
 mod generate;
 mod model;
 mod probe;
+mod seam;
 mod step;
 mod verdict;
 

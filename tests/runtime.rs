@@ -11,6 +11,7 @@ mod examples;
 mod memory;
 mod probes;
 mod properties;
+mod seams;
 mod semantics;
 mod smb;
 mod trace;

@@ -4,6 +4,7 @@
 
 mod support;
 
+mod around;
 mod border;
 mod chance;
 mod cli;

@@ -101,6 +101,7 @@
     (world start "tiles[ \t]+" name "[ \t]+\\(?:x[ \t]+\\|[^{\n]*?[)[:word:]][ \t]+\\)\\(x\\)[ \t]+[([:word:]]")
     (space start "\\(place\\)[ \t]+" name "[ \t]*:[ \t]*" name "[ \t]+\\(at\\)\\_>")
     (space start "\\(link\\|bounds\\)[ \t]+\\(rect\\)\\_>")
+    (space start "\\(wrap\\)[ \t]+\\w")
     (space "->[ \t]*" name "[ \t]+\\(at\\)[ \t]+\\(rect\\)\\_>")
     (space start "\\(rect\\)\\_>")
     (space start "\\(map\\)\\_>")

@@ -217,10 +217,12 @@ module.exports = grammar({
     space_block: $ => block(
       $,
       [alias($._map_with_tiles, $.map), alias($._map_with_kinds, $.map), alias($._place_with_settings, $.place)],
-      [$.map, $.place, $.link, $.rect, $.bounds],
+      [$.map, $.place, $.link, $.rect, $.bounds, $.wrap],
     ),
     rect: $ => seq('rect', $.tags, $.rectangle),
     bounds: $ => seq('bounds', 'rect', $.rectangle),
+    wrap: $ => seq('wrap', $.way),
+    way: _ => token(/horizontal|vertical/),
     rectangle: $ => seq('(', $.expression, ',', $.expression, ',', $.expression, ',', $.expression, ')'),
     link: $ => seq(
       'link', 'rect', $.rectangle, '->', field('space', $.identifier), 'at', 'rect', $.rectangle, optional($._guard),

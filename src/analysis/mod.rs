@@ -79,6 +79,7 @@ use domain::received::Received;
 use fixpoint::Analysis;
 use fixpoint::counter_bounds::{self, Limits};
 use geometry::scene::Scene;
+use geometry::seam;
 use geometry::surroundings::Surroundings;
 use step::evaluate::{Joined, Phase, Pinned, Reader};
 use step::forbidden::Forbidden;
@@ -160,7 +161,8 @@ pub fn watched_space(
     within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, watch)
 }
 
-/// A copy of the program in which only a fault ends a run of the world: it has no `bounds`, and an analysis without
+/// A copy of the program in which only a fault ends a run of the world: it has no `bounds` (what repeats between them
+/// still does), and an analysis without
 /// predicates ignores `never`. It reaches every state that the original reaches, including the state in which a run
 /// ends.
 pub fn endless(program: &Program, world: WorldId) -> Program {
@@ -189,6 +191,8 @@ fn within_limits(
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
+    let unrolled = seam::unrolled(world);
+    let world = unrolled.as_ref().unwrap_or(world);
     let forbidden = Forbidden { program, world, predicates };
     let scene = Scene::new(program, world, watch);
     let mut analysis = Analysis::new(scene, forbidden, limits, *effort, watch);
@@ -203,7 +207,8 @@ impl ConfigurationSpace {
     /// much to examine.
     #[must_use]
     pub fn by_place(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
-        let table = &program.worlds[world];
+        let unrolled = seam::unrolled(&program.worlds[world]);
+        let table = unrolled.as_ref().unwrap_or(&program.worlds[world]);
         let mut scene = Scene::new(program, table, watch);
         if scene.refine() {
             let forbidden = Forbidden { program, world: table, predicates };

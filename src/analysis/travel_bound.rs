@@ -8,6 +8,7 @@ use crate::ir::{Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, 
 
 use crate::analysis::ConfigurationSpace;
 use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::seam;
 use crate::analysis::step::evaluate::{Pinned, Reader};
 
 /// Upper bound of the rounding error of a step, px.
@@ -35,11 +36,9 @@ impl ConfigurationSpace {
         let step = table.step.seconds();
         let speed = self.overall[slot].speed;
         let far = [0, 1].map(|axis| {
-            let push_reach = self
-                .surroundings
-                .of(slot)
-                .push_reach(axis, speed, step)
-                .filter(|_| !has_position_update(entity, axis))?;
+            let push_reach = self.surroundings.of(slot).push_reach(axis, speed, step).filter(|_| {
+                !has_position_update(entity, axis) && !seam::wraps(table, &self.overall[slot].spaces, axis)
+            })?;
             let own = (speed[axis] * step + ROUNDED) * steps as f64;
             // Pushes towards lower coordinates are the mirror image.
             let [up, down] = push_reach;

@@ -17,6 +17,7 @@ mod lower;
 mod meaning;
 mod names;
 mod operators;
+mod period;
 mod program;
 mod rare;
 mod spans;
@@ -41,6 +42,7 @@ pub use layout::{Layout, SlotLayout};
 pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_CHANCES, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_INT, MAX_MODES, MAX_TAGS};
 pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
+pub use period::Period;
 pub use program::{
     By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Leaf, Mode,
     Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,

@@ -441,6 +441,11 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
         if let Some(b) = space.bounds {
             write!(out, " in {}..{}, {}..{}", b.left, b.right, b.bottom, b.top)?;
         }
+        for (period, axis) in space.periods.iter().zip(["x", "y"]) {
+            if let Some(period) = period {
+                write!(out, ", {axis} wraps {}..{}", period.low, period.high)?;
+            }
+        }
         for solid in &space.solids {
             let b = solid.bounds;
             write!(out, "\n    {} at {}..{}, {}..{}", tags(p, solid.tags), b.left, b.right, b.bottom, b.top)?;

@@ -6,8 +6,8 @@ use crate::ir::TileMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId,
-    SpaceId, TagId, TagSet, TimerId, VarId,
+    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, RefId, Response,
+    SlotId, SpaceId, TagId, TagSet, TimerId, VarId,
 };
 
 /// A world, ready to run.
@@ -88,11 +88,24 @@ pub struct Space {
     pub solids: Vec<Solid>,
     /// The bounds that are written: a run ends where a player leaves them below or beside. None: it ends at no border.
     pub bounds: Option<Bounds>,
+    /// What repeats along each axis: the left and the right border of the extent are one, the lower and the upper one.
+    #[serde(default, skip_serializing_if = "repeats_nowhere")]
+    pub periods: [Option<Period>; 2],
     /// Ways into other spaces.
     pub links: Vec<Link>,
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
+fn repeats_nowhere(periods: &[Option<Period>; 2]) -> bool {
+    *periods == [None; 2]
+}
+
 impl Space {
+    /// Whether it wraps at all.
+    pub fn wraps(&self) -> bool {
+        self.periods != [None; 2]
+    }
+
     /// The rectangle that the map covers. It does not end a run.
     pub fn map_rectangle(&self) -> Option<Bounds> {
         self.map.as_ref().map(|map| Bounds::new([0.0, 0.0, map.size().0, map.size().1]))

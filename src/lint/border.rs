@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::BeyondBounds;
 use crate::ir::{CompareOp, EntityId, IdVec, Origin, ParamId, SlotId, Subject};
-use crate::sema::checked::{Checked, Entity, Term, TermKind, World};
+use crate::sema::checked::{Checked, Entity, Space, Term, TermKind, World};
 use crate::sema::{ConstantContext, evaluate};
 
 /// The region in which a player can be while its run lasts; px. Unbounded above.
@@ -17,8 +17,11 @@ struct Area {
 }
 
 impl Area {
-    fn new([x, y, width, _]: [f64; 4]) -> Self {
-        Area { left: x, right: x + width, bottom: y }
+    /// That of a space with bounds. Where it wraps, nobody is beyond them, and the way around may be the shorter one.
+    fn of(space: &Space) -> Option<Self> {
+        let [x, y, width, _] = space.bounds?;
+        let (left, right) = if space.wraps[0] { (f64::NEG_INFINITY, f64::INFINITY) } else { (x, x + width) };
+        Some(Area { left, right, bottom: if space.wraps[1] { f64::NEG_INFINITY } else { y } })
     }
 
     fn join(self, other: Area) -> Self {
@@ -58,7 +61,7 @@ fn area(checked: &Checked, world: &World, slot: SlotId) -> Option<Area> {
     let instance = &world.instances[slot];
     let moves = follows_links(&checked.entities[instance.entity]);
     let spaces = world.spaces.pairs().filter(|(id, _)| moves || *id == instance.space);
-    let areas: Option<Vec<Area>> = spaces.map(|(_, space)| space.bounds.map(Area::new)).collect();
+    let areas: Option<Vec<Area>> = spaces.map(|(_, space)| Area::of(space)).collect();
     areas?.into_iter().reduce(Area::join)
 }
 
@@ -84,7 +87,7 @@ fn links(checked: &Checked, world: &World, found: &mut Diagnostics) {
         return;
     }
     for space in world.spaces.iter() {
-        let Some(area) = space.bounds.map(Area::new) else { continue };
+        let Some(area) = Area::of(space) else { continue };
         for link in &space.links {
             let [x, y, width, height] = link.from;
             if area.excludes(x, x + width, y + height) {

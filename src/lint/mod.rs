@@ -12,6 +12,7 @@ mod terms;
 mod unused;
 mod updates;
 mod world;
+mod wrap;
 
 use crate::diagnostic::Diagnostics;
 use crate::sema::checked::Checked;
@@ -34,5 +35,6 @@ pub fn lint(checked: &Checked, root: FileId) -> Diagnostics {
     world::places(checked, &mut found);
     world::links(checked, &mut found);
     border::border(checked, &mut found);
+    wrap::wraps(checked, &mut found);
     found
 }

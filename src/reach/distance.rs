@@ -9,6 +9,7 @@ use crate::analysis::ConfigurationSpace;
 use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagSet, VarId};
 use crate::watch::Meter;
 
+use super::around::images;
 use super::coverage::PLACE;
 use super::goal_positions::{PositionBox, extent, goal_positions};
 use super::problem::Problem;
@@ -170,15 +171,24 @@ fn flood(
             (row + 1 < grid.rows).then(|| (cell + grid.columns, along)),
         ];
         sides.into_iter().flatten().for_each(|(cell, more)| go(space, cell, more));
+        // The last place before a seam may be narrower than the others, so the way over it costs nothing.
+        let [around, up] = spaces[space].periods.map(|period| period.is_some());
+        let (last, top) = (grid.columns - 1, grid.rows - 1);
+        let seams = [
+            (around && column == 0).then(|| cell + last),
+            (around && column == last).then(|| cell - last),
+            (up && row == 0).then(|| cell + top * grid.columns),
+            (up && row == top).then(|| cell - top * grid.columns),
+        ];
+        seams.into_iter().flatten().for_each(|cell| go(space, cell, 0));
         // Links are followed backwards, from exit to entrance.
         let at = (grid.left + column as f64 * PLACE, grid.bottom + row as f64 * PLACE);
         for (from, link) in spaces.pairs().flat_map(|(id, s)| s.links.iter().map(move |l| (id, l))) {
-            let is_out = link.space == space
-                && at.0 <= link.to.right
-                && link.to.left <= at.0 + PLACE
-                && at.1 <= link.to.top
-                && link.to.bottom <= at.1 + PLACE;
-            if is_out {
+            let is_out =
+                |to: PositionBox| at.0 <= to.x.1 && to.x.0 <= at.0 + PLACE && at.1 <= to.y.1 && to.y.0 <= at.1 + PLACE;
+            let to =
+                PositionBox { space: Some(space), x: (link.to.left, link.to.right), y: (link.to.bottom, link.to.top) };
+            if link.space == space && images(problem.sim.world(), to).into_iter().any(is_out) {
                 let (x, y) = ((link.from.left, link.from.right), (link.from.bottom, link.from.top));
                 grids[from.index()].cells(x, y).into_iter().for_each(|cell| go(from, cell, through));
             }
@@ -200,6 +210,13 @@ impl Grid {
         let area = match space.bounds {
             Some(bounds) => Bounds { top: bounds.top + MARGIN, ..bounds },
             None => around(problem, player, id, goal),
+        };
+        let [x, y] = space.periods;
+        let area = Bounds {
+            left: x.map_or(area.left, |x| x.low),
+            right: x.map_or(area.right, |x| x.high),
+            bottom: y.map_or(area.bottom, |y| y.low),
+            top: y.map_or(area.top, |y| y.high),
         };
         let count = |low: f64, high: f64| ((high - low) / PLACE).ceil().max(1.0);
         let (columns, rows) = (count(area.left, area.right), count(area.bottom, area.top));
@@ -245,13 +262,19 @@ impl Grid {
             });
         }
         let Some((tags, core)) = core else { return };
+        let mut mark = |wall: Bounds| {
+            let all = PositionBox { space: Some(id), x: (wall.left, wall.right), y: (wall.bottom, wall.top) };
+            for PositionBox { x: (left, right), y: (bottom, top), .. } in images(world, all) {
+                self.mark(Bounds { left, right, bottom, top }, core, meter);
+            }
+        };
         for solid in solids(tags) {
-            self.mark(solid.bounds, core, meter);
+            mark(solid.bounds);
         }
         let Some(map) = &space.map else { return };
         let is_wall: Vec<bool> = kinds.iter().map(|kind| blocks(tags, *kind)).collect();
         for (cell, _) in map.cells.iter().enumerate().filter(|(_, kind)| is_wall[usize::from(**kind)]) {
-            self.mark(Bounds::new(map.rectangle(cell)), core, meter);
+            mark(Bounds::new(map.rectangle(cell)));
         }
     }
 

@@ -6,6 +6,7 @@ use crate::ir::{
     VarId,
 };
 
+use super::around::images;
 use super::problem::Problem;
 
 /// Maximum number of boxes per goal.
@@ -95,7 +96,8 @@ impl Finder<'_> {
             }
             Expr::Near { of, x, y, radius } if is_mine(of) => {
                 let (x, y, r) = (self.value(x)?, self.value(y)?, self.value(radius)?.max(0.0));
-                Some(vec![PositionBox { space: None, x: (x - r, x + r), y: (y - r, y + r) }])
+                let around = PositionBox { space: None, x: (x - r, x + r), y: (y - r, y + r) };
+                Some(images(self.problem.sim.world(), around))
             }
             Expr::Compare(op, a, b) => self.comparison(op, a, b).map(|place| vec![place]),
             Expr::InSpace(of, space) if is_mine(of) => {
@@ -184,9 +186,9 @@ impl Finder<'_> {
         let mut places = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
             let mine = extent(self.problem, self.player, collider)?;
-            places.extend(targets.iter().map(|(space, target)| {
+            places.extend(targets.iter().flat_map(|(space, target)| {
                 let [x, y] = overlapping(&mine, target);
-                PositionBox { space: Some(*space), x, y }
+                images(world, PositionBox { space: Some(*space), x, y })
             }));
         }
         places.truncate(MAX_BOXES);

@@ -10,6 +10,7 @@ use crate::sim::Simulator;
 use super::bounds::{self, Sampling};
 use super::coverage::PLACE;
 use super::draw::SlotDraw;
+use super::nearest::Around;
 
 /// Penalty of a differing leaf in the squared distance.
 pub const MODE_PENALTY: f32 = 0.05;
@@ -115,6 +116,7 @@ pub struct Metric {
     modes: usize,
     slots: Vec<SlotPart>,
     players: Vec<SlotId>,
+    around: Vec<Around>,
 }
 
 /// A point of the sampled space, or a state seen as one.
@@ -166,7 +168,7 @@ impl Metric {
         measure: Measure,
     ) -> Self {
         let players: Vec<SlotId> = sim.world().players.iter().map(|p| p.slot).collect();
-        let mut metric = Metric { reals: Vec::new(), modes: 0, slots: Vec::new(), players };
+        let mut metric = Metric { reals: Vec::new(), modes: 0, slots: Vec::new(), players, around: Vec::new() };
         let around = extent.unwrap_or_else(|| bounds::around(sim.world()));
         for slot in sim.world().slots.ids() {
             let (mut coordinates, mut part) =
@@ -184,12 +186,32 @@ impl Metric {
             metric.reals.extend(coordinates);
             metric.slots.push(part);
         }
+        metric.around = metric.repeating(sim);
         metric
     }
 
     /// The coordinates, in the order of [`Point::reals`].
     pub fn coordinates(&self) -> &[Coordinate] {
         &self.reals
+    }
+
+    /// The coordinates that repeat.
+    pub fn around(&self) -> Vec<Around> {
+        self.around.clone()
+    }
+
+    /// The positions of players that stay in a space that wraps.
+    fn repeating(&self, sim: &Simulator) -> Vec<Around> {
+        let of = |(coordinate, c): (usize, &Coordinate)| {
+            let Quantity::Var(slot, var, 0) = c.quantity else { return None };
+            let table = &sim.world().slots[slot];
+            let stays = sim.program().entities[table.entity].follows.is_empty() && self.players.contains(&slot);
+            let axis = VarId::XY.iter().position(|axis| *axis == var).filter(|_| stays)?;
+            let period = sim.world().spaces[table.space].periods[axis]?;
+            let (middle, size) = (c.scaled(f64::midpoint(period.low, period.high)), (period.size() / c.unit) as f32);
+            (size.is_finite() && size > 0.0).then_some(Around { coordinate, middle, size })
+        };
+        self.reals.iter().enumerate().filter_map(of).collect()
     }
 
     /// The number of modes compared.

@@ -15,6 +15,7 @@
 //! Every state created on the way is checked against the analysis (`monitor.rs`). A state outside shows that the
 //! analysis is wrong about this world: proofs that rest on it are withdrawn.
 
+mod around;
 mod bounds;
 mod conclusion;
 mod controls;
@@ -55,7 +56,7 @@ pub use exchange::plan_from_script;
 pub use improve_duration::improve_duration;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use monitor::{Monitor, Refutation};
-pub use nearest::{Index, Neighbour};
+pub use nearest::{Around, Index, Neighbour};
 pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Verdict, Visited};
 pub use planners::Planner;
 pub use probability::Luck;

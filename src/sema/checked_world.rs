@@ -1,5 +1,6 @@
 //! The checked program's worlds: spaces, instances with their initial values, contact rules, predicates.
 
+use crate::ir::Period;
 use crate::ir::{
     DiscreteId, EntityId, GoalId, IdVec, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId, TagId,
     TileMap, VarId,
@@ -65,8 +66,20 @@ pub struct Space {
     pub solids: Vec<Solid>,
     /// The bounds of players: x and y of the lower-left corner, width, height; px.
     pub bounds: Option<[f64; 4]>,
+    /// Whether the left and the right border are one, and the lower and the upper one.
+    pub wraps: [bool; 2],
     /// Links to other spaces, in source order.
     pub links: Vec<Link>,
+}
+
+impl Space {
+    /// What repeats along each axis; unknown while the map is.
+    pub fn periods(&self) -> [Option<Period>; 2] {
+        let map = self.map.as_ref().map(|map| [0.0, 0.0, map.size().0, map.size().1]);
+        let extent = self.bounds.or(map);
+        let of = |axis: usize, sides: [f64; 4]| Period { low: sides[axis], high: sides[axis] + sides[axis + 2] };
+        [0, 1].map(|axis| extent.filter(|_| self.wraps[axis]).map(|sides| of(axis, sides)))
+    }
 }
 
 /// A link to another space.

@@ -35,6 +35,7 @@ mod reference;
 mod signal;
 mod unused;
 mod world;
+mod wrap;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

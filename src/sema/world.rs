@@ -86,12 +86,14 @@ impl Checker<'_> {
                 map: None,
                 solids: Vec::new(),
                 bounds: None,
+                wraps: [false; 2],
                 links: Vec::new(),
             });
             self.record_declaration(NameKind::Space, &space.name);
             spaces.declare(&space.name, id, &mut self.diagnostics);
             let mut map_at = None;
             let mut bounds: Table<()> = Table::new("the bounds of");
+            let mut wraps = Vec::new();
             for item in &space.items {
                 match item {
                     SpaceItem::Map(map) => {
@@ -111,9 +113,11 @@ impl Checker<'_> {
                             world.spaces[id].bounds = self.rectangle(rectangle, &mut world.lengths);
                         }
                     }
+                    SpaceItem::Wrap(wrap) => wraps.push(*wrap),
                     SpaceItem::Place(place) => self.placed(place, id, &mut population),
                 }
             }
+            self.wraps(&wraps, &mut world.spaces[id], map_at.is_some());
             // A world with a missing or wrong map is checked, but not run: its size does not matter.
             let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));

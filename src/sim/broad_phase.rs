@@ -35,7 +35,7 @@ pub(super) struct Kinds {
 const CONTACT: u64 = 4;
 
 /// The cost of sorting one box, in comparisons.
-const PAIRS_PER_BOX: usize = 12;
+pub(super) const PAIRS_PER_BOX: usize = 12;
 
 impl BroadPhase {
     /// Prepares bodies, given as their kind, below `kinds`, and their slot; `meet` tells whether two kinds can touch.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Bounce, Bounds, ColliderId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, Meeting, Program, Push, Response,
-    Shape, Side, SlotId, SpaceId, Subject, TagSet, VarId, World,
+    Shape, Side, SlotId, Solid, Subject, TagSet, World,
 };
 
 use crate::watch::Meter;
@@ -20,6 +20,7 @@ use super::chance::Frames;
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::covered_faces::Adjacency;
 use super::fault::Fault;
+use super::seam::{Images, MAX_IMAGES, Seams, solids};
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::state::{PositionLayout, leaf_at};
 use super::tiles::Grid;
@@ -30,7 +31,7 @@ pub(super) struct Collision {
     pub bodies: Vec<Body>,
     /// Their kinds.
     pub kinds: Vec<Kind>,
-    broad_phase: BroadPhase,
+    pub broad_phase: BroadPhase,
     /// The bounces of all rules, weakest first; the first is none.
     bounces: Vec<Bounce>,
     /// Whether any rule carries.
@@ -43,6 +44,10 @@ pub(super) struct Collision {
     pub adjacency: Vec<Adjacency>,
     /// For each space, the columns and the rows of its map.
     pub grids: Vec<[Grid; 2]>,
+    /// For each space, its free-standing rectangles, with those beyond a seam.
+    pub solids: Vec<Vec<Solid>>,
+    /// What repeats in each space, if any space wraps.
+    pub seams: Option<Seams>,
 }
 
 /// A collider of a slot.
@@ -51,7 +56,7 @@ pub(super) struct Body {
     pub slot: SlotId,
     pub kind: usize,
     /// The index of its set of tags.
-    set: usize,
+    pub set: usize,
     pub kinematic: bool,
     /// The offsets of its instance's position, space and life in a state.
     pub layout: PositionLayout,
@@ -73,7 +78,7 @@ pub(super) struct Body {
 pub(super) struct Kind {
     pub tags: TagSet,
     /// For each set of tags: the rule of a contact, and the contact bits that it sets.
-    sets: Vec<Option<Encounter>>,
+    pub sets: Vec<Option<Encounter>>,
     /// For each space, for each kind of tile.
     pub tiles: Vec<Vec<Option<Encounter>>>,
     /// For each space, for each free-standing rectangle.
@@ -142,6 +147,8 @@ pub(super) struct Scratch {
     active: Vec<Vec<u32>>,
     /// For each slot, its displacement by contacts.
     displacements: Vec<Displacement>,
+    /// The boxes that are seen beyond a seam.
+    images: Images,
     /// Amount of work so far.
     pub work: u64,
 }
@@ -156,6 +163,7 @@ impl Collision {
             .iter()
             .map(|s| s.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.iter().copied().collect()).collect())
             .collect();
+        let statics: Vec<Vec<Solid>> = world.spaces.iter().map(solids).collect();
         let mut of_kinds: Vec<(EntityId, ColliderId)> = Vec::new();
         let mut first_kind: BTreeMap<EntityId, usize> = BTreeMap::new();
         // Bodies with the same tags touch in the same way, and there are far fewer sets of tags than kinds.
@@ -205,7 +213,7 @@ impl Collision {
                 let with = |other: TagSet| Encounter::new(world, &bounces, &program.entities[entity], tags, other);
                 let tiles: Vec<Vec<_>> = tile_tags.iter().map(|k| k.iter().map(|&t| with(t)).collect()).collect();
                 let solids: Vec<Vec<_>> =
-                    world.spaces.iter().map(|s| s.solids.iter().map(|x| with(x.tags)).collect()).collect();
+                    statics.iter().map(|solids| solids.iter().map(|x| with(x.tags)).collect()).collect();
                 let any = |lists: &[Vec<Option<Encounter>>]| {
                     lists.iter().map(|l| l.iter().any(Option::is_some)).collect::<Vec<bool>>()
                 };
@@ -238,9 +246,22 @@ impl Collision {
         };
         let contact_readers = slots_with(&|e| !e.touches.is_empty());
         let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
-        let adjacency = world.spaces.iter().map(Adjacency::new).collect();
-        let grids = Grid::of(world);
-        Collision { bodies, kinds, broad_phase, bounces, carries, contact_readers, movable, adjacency, grids }
+        let adjacency =
+            world.spaces.iter().zip(&statics).map(|(space, solids)| Adjacency::new(space, solids)).collect();
+        let (grids, seams) = (Grid::of(world), Seams::of(world));
+        Collision {
+            bodies,
+            kinds,
+            broad_phase,
+            bounces,
+            carries,
+            contact_readers,
+            movable,
+            adjacency,
+            grids,
+            solids: statics,
+            seams,
+        }
     }
 
     /// Working memory for this world.
@@ -248,12 +269,13 @@ impl Collision {
         Scratch {
             boxes: vec![Rect::default(); self.bodies.len()],
             sweep: Sweep::with_capacity(if matches!(self.broad_phase, BroadPhase::Kinds(_)) {
-                self.bodies.len()
+                self.bodies.len() * if self.seams.is_some() { 1 + MAX_IMAGES } else { 1 }
             } else {
                 0
             }),
             active: self.broad_phase.buffers(),
             displacements: vec![Displacement::NONE; world.slots.len()],
+            images: self.seams.as_ref().map_or_else(Images::default, |_| Images::for_boxes(self.bodies.len())),
             work: 0,
         }
     }
@@ -299,8 +321,11 @@ impl Simulator {
         if push && self.collision.carries {
             self.carry(state, &scratch.start);
         }
+        if let Some(seams) = &self.collision.seams {
+            self.bring_in(seams, state, &mut scratch.start);
+        }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, sweep, active, displacements, work } = &mut scratch.collision;
+        let Scratch { boxes, sweep, active, displacements, images, work } = &mut scratch.collision;
         *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
         for &slot in &self.collision.contact_readers {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
@@ -316,7 +341,7 @@ impl Simulator {
                 for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
                     if boxes[i].active && boxes[j].active && boxes[i].is_near(&boxes[j]) {
-                        self.pair(state, (i, j), boxes, displacements);
+                        self.pair(state, (i, j), [&boxes[i], &boxes[j]], displacements);
                     }
                 }
             }
@@ -329,7 +354,7 @@ impl Simulator {
                 }
                 let mut visit = |i: usize, j: usize| {
                     if bodies[i].slot != bodies[j].slot {
-                        self.pair(state, (i, j), boxes, displacements);
+                        self.pair(state, (i, j), [&boxes[i], &boxes[j]], displacements);
                     }
                 };
                 let compared = match is_few(pairs, active) {
@@ -344,6 +369,12 @@ impl Simulator {
                 };
                 *work = work.wrapping_add(compared as u64);
             }
+        }
+        if let Some(seams) = &self.collision.seams {
+            let compared = self.pairs_across((seams, images), boxes, sweep, meter, |pair, rects| {
+                self.pair(state, pair, rects, displacements);
+            });
+            *work = work.wrapping_add(compared as u64);
         }
         if meter.is_stopped() {
             return Ok(());
@@ -372,47 +403,11 @@ impl Simulator {
                     displacements[slot].push_out(state, &self.actors[slot].layout, &self.collision.bounces);
                 }
             }
+            if let Some(seams) = &self.collision.seams {
+                self.bring_in(seams, state, &mut scratch.start);
+            }
         }
         Ok(())
-    }
-
-    /// Moves riders along with their carriers, and clears the carriers. A rider on something carried moves after it; in
-    /// a cycle, the lowest slot moves first.
-    fn carry(&self, state: &mut [u8], start: &[(f64, f64)]) {
-        let rides = |state: &[u8], slot: SlotId| {
-            let layout = self.layout(slot);
-            layout.carrier(state).filter(|_| layout.acts(state))
-        };
-        loop {
-            let (mut first_waiting, mut has_moved) = (None, false);
-            for me in self.world().slots.ids() {
-                let Some(carrier) = rides(state, me) else { continue };
-                if rides(state, carrier).is_some() {
-                    first_waiting = first_waiting.or(Some((me, carrier)));
-                    continue;
-                }
-                self.ride(state, start, me, carrier);
-                has_moved = true;
-            }
-            match first_waiting {
-                Some((me, carrier)) if !has_moved => self.ride(state, start, me, carrier),
-                Some(_) => {}
-                None => break,
-            }
-        }
-    }
-
-    /// Moves an instance along with its carrier.
-    fn ride(&self, state: &mut [u8], start: &[(f64, f64)], me: SlotId, carrier: SlotId) {
-        let layout = self.layout(me);
-        if self.layout(carrier).acts(state) && self.space(state, carrier) == layout.space(state) {
-            let (x, y) = self.position(state, carrier);
-            let (from_x, from_y) = start[carrier.index()];
-            let (own_x, own_y) = self.position(state, me);
-            layout.set_var(state, VarId::X, 0, own_x + (x - from_x));
-            layout.set_var(state, VarId::Y, 0, own_y + (y - from_y));
-        }
-        layout.set_carrier(state, None);
     }
 
     /// Moves all boxes to the positions of their instances.
@@ -473,13 +468,19 @@ impl Simulator {
     }
 
     /// Handles two bodies of one space.
-    fn pair(&self, state: &mut [u8], (i, j): (usize, usize), boxes: &[Rect], displacements: &mut [Displacement]) {
+    fn pair(
+        &self,
+        state: &mut [u8],
+        (i, j): (usize, usize),
+        [first, second]: [&Rect; 2],
+        displacements: &mut [Displacement],
+    ) {
         let (a, b) = (&self.collision.bodies[i], &self.collision.bodies[j]);
         let kinds = &self.collision.kinds;
         let (Some(of_a), Some(of_b)) = (&kinds[a.kind].sets[b.set], &kinds[b.kind].sets[a.set]) else { return };
         let meeting = of_a.meeting;
-        let back = (boxes[i].back.0 - boxes[j].back.0, boxes[i].back.1 - boxes[j].back.1);
-        let Some(contact) = meet(&boxes[i], &boxes[j], back, meeting, |_| (false, false)) else { return };
+        let back = (first.back.0 - second.back.0, first.back.1 - second.back.1);
+        let Some(contact) = meet(first, second, back, meeting, |_| (false, false)) else { return };
         let side = contact.side;
         self.touch(state, a, of_a, Some(b.slot), side);
         self.touch(state, b, of_b, Some(a.slot), opposite(side));
@@ -571,7 +572,7 @@ impl Simulator {
         meter: &Meter<'_>,
     ) -> usize {
         let space = rect.space as usize;
-        let solids = &self.world().spaces[SpaceId(rect.space)].solids;
+        let solids = &self.collision.solids[space];
         let kind = &self.collision.kinds[body.kind];
         for (index, with) in kind.solids[space].iter().enumerate() {
             let Some(with) = with else { continue };

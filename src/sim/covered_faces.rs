@@ -9,6 +9,7 @@ use crate::watch::Meter;
 
 use super::collision::{Encounter, Kind};
 use super::contact::{Overlap, Rect, TOLERANCE};
+use super::seam::Around;
 use super::simulator::Simulator;
 
 /// Adjacent static obstacles of a space.
@@ -35,8 +36,9 @@ struct Face {
 }
 
 impl Adjacency {
-    pub fn new(space: &Space) -> Self {
-        Adjacency { rects: with_neighbours(&space.solids), cells: cells(space) }
+    /// Those of a space with these rectangles.
+    pub fn new(space: &Space, solids: &[Solid]) -> Self {
+        Adjacency { rects: with_neighbours(solids), cells: cells(space, solids) }
     }
 }
 
@@ -119,11 +121,11 @@ impl MaxTree {
 }
 
 /// The cells of a map near rectangles, by two-dimensional prefix sums.
-fn cells(space: &Space) -> Vec<bool> {
-    let Some(map) = space.map.as_ref().filter(|_| !space.solids.is_empty()) else { return Vec::new() };
+fn cells(space: &Space, solids: &[Solid]) -> Vec<bool> {
+    let Some(map) = space.map.as_ref().filter(|_| !solids.is_empty()) else { return Vec::new() };
     let across = map.columns + 1;
     let mut counts = vec![0i32; across * (map.rows + 1)];
-    for solid in &space.solids {
+    for solid in solids {
         let range = |low: f64, high: f64, size: f64, count: usize| {
             let first = ((low - TOLERANCE) / size).floor() - 1.0;
             let after = ((high + TOLERANCE) / size).ceil() + 1.0;
@@ -246,7 +248,7 @@ impl Simulator {
             let before = part.reach;
             // Among many rectangles at one place, this search is what a step spends its time on.
             let mut looked_at = 0;
-            for (solid, met) in table.solids.iter().zip(&kind.solids[space]) {
+            for (solid, met) in self.collision.solids[space].iter().zip(&kind.solids[space]) {
                 looked_at += 1;
                 if blocks(met) && face.covered_by(&solid.bounds).is_some_and(|along| part.add(along, &face)) {
                     meter.spend(looked_at);
@@ -258,17 +260,23 @@ impl Simulator {
                     true => ((map.tile.0, map.columns), (map.tile.1, map.rows)),
                     false => ((map.tile.1, map.rows), (map.tile.0, map.columns)),
                 };
+                let around = Around::new(table, map);
                 // The cells directly outside the face and beside the body.
                 let line = match face.faces_up {
                     true => ((face.at + TOLERANCE) / across.0).floor(),
                     false => ((face.at - TOLERANCE) / across.0).ceil() - 1.0,
                 };
-                let cut = |at: f64| (at / along.0).floor().clamp(-1.0, along.1 as f64) as i64;
-                if line >= 0.0 && line < across.1 as f64 {
-                    for nth in (cut(face.low) - 1).max(0)..(cut(face.high) + 1).min(along.1 as i64) {
+                let [lines, cells] = match face.is_vertical {
+                    true => [&around.columns, &around.rows],
+                    false => [&around.rows, &around.columns],
+                };
+                let cut = |at: f64| (at / along.0).floor().clamp((cells.start - 1) as f64, cells.end as f64) as i64;
+                if line >= lines.start as f64 && line < lines.end as f64 {
+                    for nth in (cut(face.low) - 1).max(cells.start)..(cut(face.high) + 1).min(cells.end) {
                         looked_at += 1;
                         let (column, row) = if face.is_vertical { (line as i64, nth) } else { (nth, line as i64) };
-                        let is_blocking = map.kind(column, row).is_some_and(|tile| blocks(&kind.tiles[space][tile]));
+                        let tile = around.kind(map, column, row);
+                        let is_blocking = tile.is_some_and(|tile| blocks(&kind.tiles[space][tile]));
                         if is_blocking && part.add((nth as f64 * along.0, (nth + 1) as f64 * along.0), &face) {
                             meter.spend(looked_at);
                             return true;

@@ -290,7 +290,10 @@ impl<'a> Reader<'a> {
             Expr::Near { of, x, y, radius } => {
                 let Some(slot) = self.instance(of) else { return false };
                 let (px, py) = self.sim.position(self.state, slot);
-                let (dx, dy) = (px - self.number(x), py - self.number(y));
+                let (mut dx, mut dy) = (px - self.number(x), py - self.number(y));
+                if let Some(seams) = &self.sim.collision.seams {
+                    [dx, dy] = seams.shortest(self.sim.layout(slot).space(self.state), [dx, dy]);
+                }
                 (dx * dx + dy * dy).sqrt() <= self.number(radius)
             }
             Expr::Number(_)

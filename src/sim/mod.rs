@@ -6,6 +6,7 @@
 
 mod actor;
 mod broad_phase;
+mod carry;
 pub(crate) mod chance;
 mod collision;
 mod contact;
@@ -23,6 +24,7 @@ mod probe;
 mod run;
 mod saved;
 mod script;
+mod seam;
 mod simulator;
 pub mod state;
 mod tiles;

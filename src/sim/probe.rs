@@ -1,12 +1,13 @@
 //! Probes: whether a collider, moved by an offset, overlaps something with a tag. Answered where a guard asks, on the
 //! state that it reads: nothing is stored, and a program without probes has no tables for them.
 
-use crate::ir::{Bounds, Expr, Program, SlotId, SpaceId, TagId, TagSet, World};
+use crate::ir::{Bounds, Expr, Period, Program, SlotId, SpaceId, TagId, TagSet, World};
 
 use super::actor::Actor;
 use super::collision::{Body, Collision};
 use super::contact::{Rect, TOLERANCE, sinks_in};
 use super::evaluate::Reader;
+use super::seam::{moved, solids};
 use super::simulator::Simulator;
 use super::state::leaf_at;
 
@@ -73,7 +74,7 @@ impl Tagged {
             let kinds = space.map.iter().flat_map(|map| &map.kinds);
             let tiles: Vec<bool> = kinds.map(|kind| kind.tags.iter().any(|t| TagSet::of(*t).meets(tag))).collect();
             out.tiles.push(if tiles.contains(&true) { tiles } else { Vec::new() });
-            out.rects.push(space.solids.iter().filter(|s| s.tags.meets(tag)).map(|s| s.bounds).collect());
+            out.rects.push(solids(space).iter().filter(|s| s.tags.meets(tag)).map(|s| s.bounds).collect());
         }
         out
     }
@@ -99,14 +100,15 @@ impl Simulator {
         for &at in own.bodies[from..].iter().take_while(|&&at| bodies[at].slot == reader.me) {
             let Some(rect) = self.rect_of(&bodies[at], reader) else { continue };
             let rect = rect.moved(offset);
-            if !bound && self.overlaps_static(&rect, asked) {
+            if !bound && self.any_image(&rect, |rect| self.overlaps_static(rect, asked)) {
                 return Found::Static;
             }
             for body in asked.bodies.iter().map(|&at| &bodies[at]).filter(|body| body.slot != reader.me) {
                 if matches!(found, Found::Instance(lowest) if body.slot >= lowest) {
                     break;
                 }
-                if self.rect_of(body, reader).is_some_and(|there| overlap(&rect, &there)) {
+                let there = self.rect_of(body, reader).map(|there| self.brought_in(&there));
+                if there.is_some_and(|there| self.any_image(&rect, |rect| overlap(rect, &there))) {
                     found = Found::Instance(body.slot);
                     if !bound {
                         return found;
@@ -115,6 +117,23 @@ impl Simulator {
             }
         }
         found
+    }
+
+    /// Whether something holds of a box or, in a space that wraps, of the box as it is seen beyond a seam.
+    fn any_image(&self, rect: &Rect, holds: impl Fn(&Rect) -> bool) -> bool {
+        let Some(seams) = self.collision.seams.as_ref() else { return holds(rect) };
+        let ([x, y], rect) = (seams.periods(rect.space as usize), self.brought_in(rect));
+        // A collider may be longer than a period.
+        let turns = |period: Option<Period>| if period.is_some() { -2..=2 } else { 0..=0 };
+        let way = |turn: i32, period: Option<Period>| period.map_or(0.0, |period| f64::from(turn) * period.size());
+        turns(x).any(|across| turns(y).any(|up| holds(&moved(&rect, [way(across, x), way(up, y)]))))
+    }
+
+    /// A box with its lower-left corner between the borders of its space.
+    fn brought_in(&self, rect: &Rect) -> Rect {
+        let periods = self.collision.seams.as_ref().map_or([None; 2], |seams| seams.periods(rect.space as usize));
+        let way = |axis: usize, low: f64| periods[axis].map_or(0.0, |period| period.wrapped(low) - low);
+        moved(rect, [way(0, rect.left), way(1, rect.bottom)])
     }
 
     /// The box of a collider in the state that is read; `None` if it is not there.

@@ -1,10 +1,13 @@
 //! Contacts between bodies and the tiles of a map.
 
+use std::ops::Range;
+
 use crate::ir::{Push, Side, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
 use super::collision::{Body, Encounter};
 use super::contact::{Displacement, Rect, meet};
+use super::seam::Around;
 use super::simulator::Simulator;
 
 /// A map with the contact rules of one kind of body.
@@ -41,6 +44,9 @@ impl Simulator {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
         let tiles = Tiles { map, encounters, meter };
+        if self.collision.seams.is_some() && self.world().spaces[SpaceId(rect.space)].wraps() {
+            return self.collide_tiles_around(state, (body, rect), tiles, displacement);
+        }
         let [columns, rows] = &self.collision.grids[rect.space as usize];
         let (first, after) = columns.range(rect.left, rect.right);
         let (low, high) = rows.range(rect.bottom, rect.top);
@@ -54,45 +60,86 @@ impl Simulator {
             let Some(cells) = map.cells.get(start + first..start + after) else { continue };
             for (index, &kind) in cells.iter().enumerate() {
                 if let Some(with) = &encounters[usize::from(kind)] {
-                    let cell = (first + index, row);
-                    self.collide_tile(state, (body, rect), tiles, cell, with, displacement);
+                    let column = first + index;
+                    let at = start + column;
+                    // There are no obstacles outside the map.
+                    let blocks = |side: Side| match side {
+                        Side::Right => column > 0 && tiles.blocks(at - 1),
+                        Side::Left => column + 1 < map.columns && tiles.blocks(at + 1),
+                        Side::Above => row > 0 && tiles.blocks(at - map.columns),
+                        Side::Below => tiles.blocks(at + map.columns),
+                    };
+                    let cell = (column as i64, row as i64, at);
+                    self.collide_tile(state, (body, rect), tiles, cell, blocks, with, displacement);
                 }
             }
         }
         if is_large { 0 } else { examined }
     }
 
-    /// Handles a body and the tile of a cell.
+    /// As [`Simulator::collide_tiles`] in a space that wraps, where the other end of the map lies beside it.
+    #[cold]
+    fn collide_tiles_around(
+        &self,
+        state: &mut [u8],
+        (body, rect): (&Body, &Rect),
+        tiles: Tiles<'_>,
+        displacement: &mut Displacement,
+    ) -> usize {
+        let map = tiles.map;
+        let around = Around::new(&self.world().spaces[SpaceId(rect.space)], map);
+        // A cell more at both ends makes up for rounding; the cast saturates.
+        let range = |low: f64, high: f64, size: f64, within: &Range<i64>| {
+            let first = ((low / size).floor() as i64).saturating_sub(1).max(within.start);
+            first..((high / size).floor() as i64).saturating_add(2).min(within.end)
+        };
+        let columns = range(rect.left, rect.right, map.tile.0, &around.columns);
+        let mut examined = 0;
+        for row in range(rect.bottom, rect.top, map.tile.1, &around.rows) {
+            if tiles.meter.spend(columns.clone().count() as u64) {
+                break;
+            }
+            for column in columns.clone() {
+                let Some(at) = around.cell(map, column, row) else { continue };
+                let Some(with) = &tiles.encounters[usize::from(map.cells[at])] else { continue };
+                let blocks = |side: Side| {
+                    let (x, y) = match side {
+                        Side::Right => (-1, 0),
+                        Side::Left => (1, 0),
+                        Side::Above => (0, -1),
+                        Side::Below => (0, 1),
+                    };
+                    around.cell(map, column + x, row + y).is_some_and(|at| tiles.blocks(at))
+                };
+                examined += 1;
+                self.collide_tile(state, (body, rect), tiles, (column, row, at), blocks, with, displacement);
+            }
+        }
+        examined
+    }
+
+    /// Handles a body and the tile that is seen at a column and a row, with the index of its cell; `blocks` tells of the
+    /// neighbour that covers the face which a side of the body touches.
     #[inline(never)]
+    #[allow(clippy::too_many_arguments, reason = "all of a contact")]
     fn collide_tile(
         &self,
         state: &mut [u8],
         (body, rect): (&Body, &Rect),
         tiles: Tiles<'_>,
-        (column, row): (usize, usize),
+        (column, row, at): (i64, i64, usize),
+        blocks: impl Fn(Side) -> bool,
         with: &Encounter,
         displacement: &mut Displacement,
     ) {
-        let map = tiles.map;
-        let at = row * map.columns + column;
-        let (width, height) = map.tile;
-        // Signed numbers convert in one instruction.
-        let (left, bottom) = (column as i64 as f64 * width, row as i64 as f64 * height);
+        let (width, height) = tiles.map.tile;
+        let (left, bottom) = (column as f64 * width, row as f64 * height);
         let (right, top) = (left + width, bottom + height);
         let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
         // The faces turned to the body; a covered one never gives the side.
         let mut corner = None;
         let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            // There are no obstacles outside the map.
-            let beside = match overlap.x_side {
-                Side::Right => column > 0 && tiles.blocks(at - 1),
-                _ => column + 1 < map.columns && tiles.blocks(at + 1),
-            };
-            let over = match overlap.y_side {
-                Side::Above => row > 0 && tiles.blocks(at - map.columns),
-                _ => tiles.blocks(at + map.columns),
-            };
-            let mut covered = (beside, over);
+            let mut covered = (blocks(overlap.x_side), blocks(overlap.y_side));
             if covered != (true, true) && self.is_beside_rect(rect.space as usize, at) {
                 let kind = &self.collision.kinds[body.kind];
                 covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);

@@ -169,6 +169,17 @@ pub enum SpaceItem {
     Solid(Box<Solid>),
     /// `bounds rect(x, y, width, height)`
     Bounds(Box<Rectangle>),
+    /// `wrap horizontal`, `wrap vertical`
+    Wrap(Wrap),
+}
+
+/// `wrap horizontal`: the left and the right border of a space are one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wrap {
+    /// Whether the lower and the upper border are meant.
+    pub is_vertical: bool,
+    /// The whole.
+    pub span: Span,
 }
 
 /// `rect tags (x, y, width, height)`

@@ -5,7 +5,7 @@ use pest::iterators::Pair;
 use super::Rule;
 use super::ast::{
     Assignment, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player,
-    Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem,
+    Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem, Wrap,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -66,6 +66,10 @@ impl<'a> Builder<'a> {
             Rule::link => self.link(pair).map(|l| SpaceItem::Link(l.into())),
             Rule::solid => self.solid(pair),
             Rule::bounds => self.rectangle(parts(pair).first()?, pair).map(|r| SpaceItem::Bounds(r.into())),
+            Rule::wrap => {
+                let is_vertical = parts(pair).first()?.as_str() == "vertical";
+                Some(SpaceItem::Wrap(Wrap { is_vertical, span: self.span_of(pair) }))
+            }
             Rule::map => self.map(pair).map(|m| SpaceItem::Map(m.into())),
             Rule::place => self.place(pair).map(|p| SpaceItem::Place(p.into())),
             _ => {

@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(opening_keywords("collider"), ["kinematic", "collider"]);
         assert_eq!(opening_keywords("mode"), ["initial", "mode"]);
         assert_eq!(opening_keywords("good_update"), ["spawn", "destroy", "send"]);
-        assert_eq!(opening_keywords("good_space_item"), ["map", "place", "link", "rect", "bounds"]);
+        assert_eq!(opening_keywords("good_space_item"), ["map", "place", "link", "rect", "bounds", "wrap"]);
         let world = ["step", "collide", "tiles", "space", "limit", "player", "condition", "goal", "never"];
         assert_eq!(opening_keywords("good_world_item"), world);
         assert!(opening_keywords("good_member").contains(&"follow"));

@@ -125,7 +125,7 @@ const WORLD_ITEMS: &[ForeignWords] = &[
         "what moves is said by flows in entities: `y'' = -400` is a fall, px/s each second",
     ),
     (&["predicate", "guard", "macro", "define", "alias"], Some("condition"), NAMED_GUARD),
-    (&["map", "place", "rect", "bounds", "link"], None, "this belongs in a space: `space main { … }`"),
+    (&["map", "place", "rect", "bounds", "link", "wrap"], None, "this belongs in a space: `space main { … }`"),
 ];
 
 const SPACE_ITEMS: &[ForeignWords] = &[

@@ -254,6 +254,7 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         R::rectangle => "`(x, y, width, height)`",
         R::formals | R::actuals => "`(`",
         R::within => "`in LOW..HIGH`",
+        R::wrap_way => "`horizontal` or `vertical`",
         R::dimension => "a dimension such as `px/s`",
         rule => return statement_word(rule).map(|word| format!("`{word}`").into()),
     };
@@ -294,6 +295,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::place
             | R::solid
             | R::bounds
+            | R::wrap
             | R::link
             | R::legend
     );

@@ -135,6 +135,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_at
             | R::word_rect
             | R::word_bounds
+            | R::word_wrap
             | R::word_any
             | R::word_all
             | R::word_touching

@@ -1,6 +1,6 @@
 //! The legend below the panels: exactly the signs in the picture.
 
-use crate::ir::Origin;
+use crate::ir::{Origin, Space};
 
 use super::appearance::Role;
 use super::heat::{self, LEVELS};
@@ -83,6 +83,9 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
     }
     if context.bounded {
         entries.push((Sign::Box("bounds".into()), "bounds".into()));
+    }
+    if context.world.spaces.iter().any(Space::wraps) {
+        entries.push((Sign::Line("bounds"), "border that is one with the opposite one".into()));
     }
     if context.hero.is_some() {
         entries.push((Sign::Box("hero".into()), "player at the start".into()));

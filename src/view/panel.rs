@@ -1,6 +1,6 @@
 //! The panel of a space, layer by layer: the level, the visits, the tree, the instances, the goal, the path, names.
 
-use crate::ir::{Bounds, Origin, Program, SlotId, SpaceId, World};
+use crate::ir::{Bounds, Origin, Period, Program, SlotId, SpaceId, World};
 
 use super::appearance::{Appearances, Role, role};
 use super::body::{Body, placed, position};
@@ -9,9 +9,9 @@ use super::frame::{Frame, Rect};
 use super::goal::{Form, Goal};
 use super::heat;
 use super::label::Labels;
-use super::route::{Route, jumps};
+use super::route::{self, Route, crosses, jumps};
 use super::search::Search;
-use super::svg::{Number, escaped, put};
+use super::svg::{Number, escaped, line_data, put};
 use super::{tiles, tree};
 
 /// Maximum number of lines of the tree and of rectangles of the heat map in the whole picture.
@@ -51,7 +51,8 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
     for (form, rect) in &goals {
         region(out, "goal", frame, *form, *rect);
     }
-    let drawn = |at: [f32; 2]| [f64::from(at[0]) + middle[0], f64::from(at[1]) + middle[1]];
+    let drawn =
+        |at: [f32; 2]| route::drawn(context.world, id, [f64::from(at[0]) + middle[0], f64::from(at[1]) + middle[1]]);
     let nodes = context.search.nodes;
     let visited = nodes.iter().filter(|node| node.space == id).map(|node| drawn(node.at));
     if visits.count > 0 {
@@ -73,7 +74,8 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
         let lines = nodes.iter().filter(|node| node.space == id).filter_map(|node| {
             let parent = nodes.get(node.parent as usize).filter(|parent| parent.space == id)?;
             let ends = [drawn(parent.at), drawn(node.at)];
-            (!jumps(context.world, id, ends[0], ends[1])).then_some(ends)
+            let goes = !jumps(context.world, id, ends[0], ends[1]) && !crosses(context.world, id, ends[0], ends[1]);
+            goes.then_some(ends)
         });
         tree::draw(out, frame, lines, MAX_LINES / context.visited);
     }
@@ -82,6 +84,7 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
     if let Some(rect) = space.bounds.filter(|bounds| *bounds != frame.view).and_then(|bounds| frame.cut(bounds)) {
         rectangle(out, "bounds", rect, "bounds");
     }
+    seams(out, frame, space.periods);
     for (form, rect) in &goals {
         region(out, "rim", frame, *form, *rect);
     }
@@ -98,6 +101,23 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
     }
     out.push_str(&labels.finish());
     put!(out, "<rect class=\"frame\" width=\"{}\" height=\"{}\"/>\n", Number(width), Number(height));
+}
+
+/// Draws the borders that are one place.
+fn seams(out: &mut String, frame: &Frame, periods: [Option<Period>; 2]) {
+    let Bounds { left, right, bottom, top } = frame.view;
+    let mut data = String::new();
+    for (axis, period) in periods.into_iter().enumerate() {
+        for at in period.into_iter().flat_map(|period| [period.low, period.high]) {
+            let ends = if axis == 0 { [[at, bottom], [at, top]] } else { [[left, at], [right, at]] };
+            if ends.iter().all(|end| frame.holds(*end)) {
+                line_data(&mut data, &ends.map(|end| frame.point(end)));
+            }
+        }
+    }
+    if !data.is_empty() {
+        put!(out, "<path class=\"bounds\" stroke-width=\"3\" d=\"{data}\"><title>seam</title></path>\n");
+    }
 }
 
 /// A name to write: class, text, subject.

@@ -56,9 +56,22 @@ pub(super) fn jumps(world: &World, space: SpaceId, from: [f64; 2], to: [f64; 2])
     })
 }
 
+/// A point where it is drawn: between the borders of a space that wraps.
+pub(super) fn drawn(world: &World, space: SpaceId, at: [f64; 2]) -> [f64; 2] {
+    let periods = world.spaces.get(space).map_or([None; 2], |space| space.periods);
+    [0, 1].map(|axis| periods[axis].map_or(at[axis], |period| period.wrapped(at[axis])))
+}
+
+/// Whether a move goes over the border of a space that wraps: a line between its ends would go the other way around.
+pub(super) fn crosses(world: &World, space: SpaceId, from: [f64; 2], to: [f64; 2]) -> bool {
+    let periods = world.spaces.get(space).map_or([None; 2], |space| space.periods);
+    (0..2).any(|axis| periods[axis].is_some_and(|period| (to[axis] - from[axis]).abs() > period.size() / 2.0))
+}
+
 /// The path and its data for all panels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Route<'a> {
+    pub world: &'a World,
     pub path: &'a [Stop],
     pub segments: &'a [PathSegment],
     /// The offset from the position to the drawn point.
@@ -69,7 +82,7 @@ pub(super) struct Route<'a> {
 
 impl Route<'_> {
     fn point(&self, stop: &Stop) -> [f64; 2] {
-        [stop.at[0] + self.middle[0], stop.at[1] + self.middle[1]]
+        drawn(self.world, stop.space, [stop.at[0] + self.middle[0], stop.at[1] + self.middle[1]])
     }
 
     /// The lines of a panel, in the picture.
@@ -80,7 +93,9 @@ impl Route<'_> {
             for strand in self.segments.iter().filter(|strand| strand.space == space) {
                 let points: Vec<[f64; 2]> =
                     self.path[strand.stops.clone()].iter().map(|stop| self.point(stop)).collect();
-                let inside = |a: &[f64; 2], b: &[f64; 2]| frame.holds(*a) == frame.holds(*b);
+                let inside = |a: &[f64; 2], b: &[f64; 2]| {
+                    frame.holds(*a) == frame.holds(*b) && !crosses(self.world, space, *a, *b)
+                };
                 for run in points.chunk_by(inside).filter(|run| frame.holds(run[0])) {
                     let points: Vec<[f64; 2]> = run.iter().map(|&point| frame.point(point)).collect();
                     lines.push(thinned(&points, gap));

@@ -92,7 +92,7 @@ pub fn search_svg(program: &Program, world: WorldId, search: &Search<'_>) -> Str
         }
     }
     let appearances = Appearances::new(program, world, hero, goal.tags);
-    let route = Route { path: search.path, segments: &segments, middle, body: body.bounds() };
+    let route = Route { world, path: search.path, segments: &segments, middle, body: body.bounds() };
     let visited = shown.iter().filter(|(.., visits)| visits.count > 0).count().max(1);
     let bounded = shown.iter().any(|(id, view, _)| world.spaces[*id].bounds.is_some_and(|bounds| bounds != *view));
     let context = PictureContext { program, world, search, appearances, goal, route, hero, visited, bounded };

@@ -184,6 +184,7 @@ const WORDS: &[&str] = &[
     "follow",
     "links",
     "bounds",
+    "wrap",
     "near",
     "x",
     "y",

@@ -14,11 +14,11 @@ const TOLERANCE: f64 = 0.001;
 
 /// A rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Area {
-    left: f64,
-    bottom: f64,
-    right: f64,
-    top: f64,
+pub struct Area {
+    pub left: f64,
+    pub bottom: f64,
+    pub right: f64,
+    pub top: f64,
 }
 
 impl Area {
@@ -29,21 +29,21 @@ impl Area {
 
 /// A collider, tile or rectangle.
 #[derive(Debug, Clone)]
-struct Body {
+pub struct Body {
     /// The instance; none for tiles and rectangles.
     slot: Option<usize>,
     tags: BTreeSet<TagId>,
     /// Whether it is never pushed.
     fixed: bool,
-    area: Area,
+    pub area: Area,
     /// Centre and radius of a disc.
-    disc: Option<(f64, f64, f64)>,
+    pub disc: Option<(f64, f64, f64)>,
     /// The displacement back to its position at the beginning of the flows.
     back: (f64, f64),
     /// The space of static geometry.
-    space: Option<usize>,
+    pub space: Option<usize>,
     /// The column and the row of a tile.
-    tile: Option<(i64, i64)>,
+    pub tile: Option<(i64, i64)>,
 }
 
 /// A face of static geometry.
@@ -101,7 +101,9 @@ struct Meeting {
 impl Oracle<'_> {
     /// Finds the contacts before the first step; nothing is pushed.
     pub fn find_contacts(&self, state: &mut State, passing: &Passing) -> Result<(), Fault> {
-        let bodies = self.bodies(state, state, passing)?;
+        let mut start = state.clone();
+        self.come_in(&mut start, state);
+        let bodies = self.bodies(&start, state, passing)?;
         let meetings = self.meetings(&bodies, state);
         self.note(state, &bodies, &meetings);
         Ok(())
@@ -110,10 +112,13 @@ impl Oracle<'_> {
     /// `start` is the state as the flows of this step began.
     pub fn collide(&self, start: &State, state: &mut State, passing: &Passing) -> Result<(), Fault> {
         self.carry(start, state, passing);
-        let bodies = self.bodies(start, state, passing)?;
+        let mut start = start.clone();
+        self.come_in(&mut start, state);
+        let bodies = self.bodies(&start, state, passing)?;
         let meetings = self.meetings(&bodies, state);
         self.note(state, &bodies, &meetings);
         self.push(state, &bodies, &meetings);
+        self.come_in(&mut start, state);
         Ok(())
     }
 
@@ -221,7 +226,8 @@ impl Oracle<'_> {
                 }
             }
         }
-        bodies
+        let size = space.map.as_ref().map_or((0, 0), |map| (map.columns as i64, map.rows as i64));
+        bodies.into_iter().flat_map(|body| self.repeated(body, size)).collect()
     }
 
     /// The response to a contact: the strongest of all matching lines; and whether the first body has left tags of such
@@ -248,16 +254,19 @@ impl Oracle<'_> {
                 let (one, two) = (&bodies[i], &bodies[j]);
                 let is_pair =
                     if j < count { two.slot > one.slot && space(two) == space(one) } else { two.space == space(one) };
+                let seen = match two.slot.filter(|_| is_pair) {
+                    Some(_) => self.seen(space(one).unwrap(), one, two),
+                    None => vec![(one.clone(), two.clone())],
+                };
                 if is_pair {
-                    meetings.extend(self.meeting(i, j, bodies));
+                    meetings.extend(seen.iter().filter_map(|(one, two)| self.meeting((i, j), (one, two), bodies)));
                 }
             }
         }
         meetings
     }
 
-    fn meeting(&self, i: usize, j: usize, bodies: &[Body]) -> Option<Meeting> {
-        let (one, two) = (&bodies[i], &bodies[j]);
+    fn meeting(&self, (i, j): (usize, usize), (one, two): (&Body, &Body), bodies: &[Body]) -> Option<Meeting> {
         let (response, first_on_second, second_on_first) = self.response(one, two)?;
         let (a, b) = (one.area, two.area);
         // The approach of the second one in the frame of the first.
@@ -299,9 +308,15 @@ impl Oracle<'_> {
         let upright = if from_below { (Side::Above, to_below) } else { (Side::Below, to_above) };
         let neighbour = |dx: i64, dy: i64| {
             two.tile.is_some_and(|(column, row)| {
+                let space = self.space(two.space.unwrap());
+                let count = space.map.as_ref().map_or((1, 1), |map| (map.columns as i64, map.rows as i64));
+                let around = |at: i64, count: i64, wraps: bool| if wraps { at.rem_euclid(count) } else { at };
+                let cell = |(column, row): (i64, i64)| {
+                    (around(column, count.0, space.wraps[0]), around(row, count.1, space.wraps[1]))
+                };
                 bodies.iter().any(|other| {
                     other.space == two.space
-                        && other.tile == Some((column + dx, row + dy))
+                        && other.tile.map(cell) == Some(cell((column + dx, row + dy)))
                         && self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block)
                 })
             })

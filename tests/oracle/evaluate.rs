@@ -171,7 +171,8 @@ impl<'a> Code<'a> {
                 let (of, [x, y, radius]) = &**asked;
                 let (at, x, y, radius) =
                     (self.of(*of)?.position(), self.value(x)?, self.value(y)?, self.value(radius)?);
-                let (dx, dy) = (at.0 - x, at.1 - y);
+                let space = self.of(*of)?.space;
+                let (dx, dy) = (self.oracle.shortest(space, 0, at.0 - x), self.oracle.shortest(space, 1, at.1 - y));
                 truth(radius >= 0.0 && dx * dx + dy * dy <= radius * radius)
             }
             TermKind::NoneRef | TermKind::Instance(_) => panic!("a reference is no number"),

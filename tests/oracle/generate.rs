@@ -497,15 +497,16 @@ impl Generator<'_> {
         self.line("    }");
         let has_link = self.draw.chance(25);
         self.line("    space main {");
-        if self.draw.chance(70) {
-            self.map(tile_foe);
-        }
+        let map = self.draw.chance(70).then(|| self.map(tile_foe));
+        let wraps = [self.draw.chance(22), self.draw.chance(12)];
         for _ in 0..self.draw.pick(3) {
             let (tag, at) = (self.draw.one(&["wall", "coin", "cloud", "wall"]), (self.length(), self.length()));
             let size = self.draw.one(&["16, 16", "48, 8", "8, 24", "64, 16", "4, 4"]);
             self.line(format!("        rect {tag} ({}, {}, {size})", at.0, at.1));
         }
-        if self.draw.chance(30) {
+        if wraps != [false; 2] {
+            self.wrap(wraps, map);
+        } else if self.draw.chance(30) {
             let bounds = self.draw.one(&["0, 0, 48, 32", "-16, -8, 64, 64", "8, 8, 32, 32", "0, 0, 40, 100"]);
             self.line(format!("        bounds rect({bounds})"));
         }
@@ -585,7 +586,23 @@ impl Generator<'_> {
         }
     }
 
-    fn map(&mut self, tile_foe: bool) {
+    /// A space that wraps; its bounds are as long as its map, if it has one.
+    fn wrap(&mut self, wraps: [bool; 2], map: Option<(usize, usize)>) {
+        let size = map.map(|(columns, rows)| (16 * columns, 16 * rows));
+        match size {
+            Some(_) if self.draw.chance(60) => {}
+            Some((width, height)) => self.line(format!("        bounds rect(0, 0, {width}, {height})")),
+            None => {
+                let bounds = self.draw.one(&["0, 0, 64, 64", "-16, -8, 80, 64", "8, 8, 48.5, 60", "0, 0, 100, 52"]);
+                self.line(format!("        bounds rect({bounds})"));
+            }
+        }
+        for (way, _) in ["horizontal", "vertical"].iter().zip(wraps).filter(|(_, wraps)| *wraps) {
+            self.line(format!("        wrap {way}"));
+        }
+    }
+
+    fn map(&mut self, tile_foe: bool) -> (usize, usize) {
         let (columns, rows) = (3 + self.draw.pick(4), 2 + self.draw.pick(3));
         self.line("        map t \"");
         for row in 0..rows {
@@ -604,6 +621,7 @@ impl Generator<'_> {
             self.line(text);
         }
         self.line("        \"");
+        (columns, rows)
     }
 
     /// The goals and nevers of the world.

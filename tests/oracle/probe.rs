@@ -37,7 +37,9 @@ impl Code<'_> {
         for own in self.forms(me, asked.mine)? {
             let there =
                 Form { left: own.left + dx, right: own.right + dx, bottom: own.bottom + dy, top: own.top + dy, ..own };
-            if asked.bound.is_none() && self.statics(me, asked.other).iter().any(|other| overlap(there, *other)) {
+            let images = self.images(me, there);
+            let overlaps = |other: Form| images.iter().any(|there| overlap(*there, self.image(me, other, [0, 0])));
+            if asked.bound.is_none() && self.statics(me, asked.other).into_iter().any(overlaps) {
                 return Ok(Taken::ByStatic);
             }
             for slot in 0..self.state.things.len() {
@@ -49,7 +51,7 @@ impl Code<'_> {
                     continue;
                 }
                 for other in self.forms(slot, asked.other)? {
-                    if is_same_space(slot) && overlap(there, other) {
+                    if is_same_space(slot) && overlaps(other) {
                         if asked.bound.is_none() {
                             return Ok(Taken::ByInstance(slot));
                         }
@@ -59,6 +61,26 @@ impl Code<'_> {
             }
         }
         Ok(first.map_or(Taken::Free, Taken::ByInstance))
+    }
+
+    /// A form with its lower-left corner between the borders of an instance's space, moved by whole periods.
+    fn image(&self, slot: usize, form: Form, turns: [i32; 2]) -> Form {
+        let space = self.state.things[slot].as_ref().unwrap().space;
+        let borders = self.oracle.borders(space);
+        let way = |axis: usize, from: f64| {
+            let Some((low, high)) = borders[axis] else { return 0.0 };
+            (high - low) * (f64::from(turns[axis]) - ((from - low) / (high - low)).floor())
+        };
+        let (x, y) = (way(0, form.left), way(1, form.bottom));
+        Form { left: form.left + x, right: form.right + x, bottom: form.bottom + y, top: form.top + y, ..form }
+    }
+
+    /// A form as it is seen from all sides of the seams.
+    fn images(&self, slot: usize, form: Form) -> Vec<Form> {
+        let space = self.state.things[slot].as_ref().unwrap().space;
+        let [x, y] = self.oracle.borders(space).map(|borders| if borders.is_some() { -4..=4 } else { 0..=0 });
+        let turns = x.flat_map(|across| y.clone().map(move |up| [across, up]));
+        turns.map(|turns| self.image(slot, form, turns)).collect()
     }
 
     /// The active colliders of an instance with a tag.

@@ -27,8 +27,11 @@ impl Otherwise {
         let text = program(choices, Frame::default());
         let names_files = ["from \"", "vglc", "tiled", "ldtk", "map level"].iter().any(|w| text.contains(w));
         let measures = text.contains("main.width");
+        // Of two borders that are one place, only the lower one is between them, and what is far away is brought in.
+        let wraps = text.contains("\nwrap ");
         match self {
-            Otherwise::Mirrored | Otherwise::Shifted if names_files || measures => None,
+            Otherwise::Mirrored | Otherwise::Shifted if names_files || measures || wraps => None,
+            Otherwise::Watched if wraps => None,
             Otherwise::Mirrored => Some(program(choices, Frame { is_mirrored: true, tiles: (0, 0) })),
             Otherwise::Shifted => Some(program(choices, Frame { is_mirrored: false, tiles: (2, 1) })),
             Otherwise::Renamed => Some(renamed(&text)),

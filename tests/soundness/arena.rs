@@ -263,7 +263,10 @@ impl Generator<'_> {
                 self.rect([beside[0], beside[1], width, height]);
             }
         }
-        if self.draw.chance(20) {
+        let wraps = [self.draw.chance(10), self.draw.chance(6)];
+        if wraps != [false; 2] {
+            self.wrap(kind, wraps);
+        } else if self.draw.chance(20) {
             let rect = match self.draw.pick(3) {
                 0 => [-50.0, -50.0, width + 100.0, height + 100.0],
                 1 => [0.0, 0.0, width, height],
@@ -290,6 +293,28 @@ impl Generator<'_> {
             }
         }
         self.world_line("}");
+    }
+
+    /// A space that wraps, as wide and as high as what it holds, or more.
+    fn wrap(&mut self, kind: Kind, wraps: [bool; 2]) {
+        let (width, height) = (self.arena.width(), self.arena.height());
+        let thick = self.arena.thickness;
+        let rect = match kind {
+            Kind::Map | Kind::OpenMap | Kind::File => None,
+            Kind::Floor => Some([-200.0, -40.0, 600.0, height + 80.0]),
+            Kind::Chamber => Some([-thick, -thick, width + 2.0 * thick, height + 2.0 * thick]),
+            Kind::Rects | Kind::Nothing => {
+                let more = [0.0, 8.0, 40.5][self.draw.pick(3)];
+                Some([-more, 0.0, width + more, height.max(64.0) + more])
+            }
+        };
+        if let Some(rect) = rect {
+            let rect = self.axes.rect(rect);
+            self.world_line(format!("bounds rect{rect}"));
+        }
+        for (way, _) in ["horizontal", "vertical"].iter().zip(wraps).filter(|(_, wraps)| *wraps) {
+            self.world_line(format!("wrap {way}"));
+        }
     }
 
     fn map(&mut self, is_open: bool, is_main: bool, frame: Frame) {

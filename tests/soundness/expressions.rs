@@ -114,7 +114,7 @@ impl Generator<'_> {
             Dim::Time => "delay",
             Dim::Pure => "1",
         };
-        match self.draw.pick(15) {
+        match self.draw.pick(17) {
             0 => format!("({a} + {})", self.value(dim)),
             1 => format!("({a} - {})", self.value(dim)),
             2 => format!("min({a}, {})", self.value(dim)),
@@ -123,9 +123,10 @@ impl Generator<'_> {
             5 => format!("clamp({a}, {}, {})", self.value(dim), self.value(dim)),
             6 | 7 => format!("if({}, {a}, {})", self.guard(), self.value(dim)),
             8 => format!("-({a})"),
-            9 => {
+            9 | 15 | 16 => {
                 let angle = self.ratio();
-                let turn = self.draw.one(&["sin", "cos", "sign", "floor", "floor", "ceil", "round", "round"]);
+                let turn =
+                    self.draw.one(&["sin", "cos", "sign", "floor", "floor", "floor", "ceil", "ceil", "round", "round"]);
                 format!("({a} + {known} * {turn}({angle}))")
             }
             10 => {

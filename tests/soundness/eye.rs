@@ -233,7 +233,14 @@ impl<'a> Eye<'a> {
             Expr::Near { of, x, y, radius } => {
                 let Some(slot) = self.instance(of) else { return atom("near", false) };
                 let at = |axis: u32| slots[slot].var(self.state, hypedc::ir::VarId(axis), 0);
-                let (dx, dy) = (at(0) - self.number(x)?, at(1) - self.number(y)?);
+                let (mut dx, mut dy) = (at(0) - self.number(x)?, at(1) - self.number(y)?);
+                // The shortest of the ways around.
+                let periods = self.world.spaces[slots[slot].space(self.state)].periods;
+                for (way, period) in [&mut dx, &mut dy].into_iter().zip(periods) {
+                    if let Some(period) = period {
+                        *way -= period.size() * (*way / period.size()).round();
+                    }
+                }
                 atom("near", (dx * dx + dy * dy).sqrt() <= self.number(radius)?)
             }
             _ => Some(self.number(id)? != 0.0),

@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use hypedc::ir::{
-    Actions, By, ColliderId, Domain, Drive, Expr, Id, Origin, Place, Push, RefValue, Release, Shape, SlotId, Subject,
-    TagSet, VarId,
+    Actions, By, ColliderId, Domain, Drive, Expr, Id, Origin, Place, Push, RefValue, Release, Shape, SlotId, SpaceId,
+    Subject, TagSet, VarId,
 };
 use hypedc::sim::{Fault, FaultKind, Input, Scratch, Simulator};
 use pest::Parser;
@@ -204,6 +204,12 @@ impl Tally {
         let space = layout.space(after);
         if space == layout.space(before) {
             let (from, to) = (sim.position(before, slot), sim.position(after, slot));
+            let ways = [(from.0, to.0), (from.1, to.1)].into_iter().zip(world.spaces[space].periods);
+            for ((from, to), period) in ways {
+                if period.is_some_and(|period| (to - from).abs() > period.size() / 2.0) {
+                    self.note("a seam is crossed");
+                }
+            }
             let walls = &world.spaces[space].solids;
             let is_among =
                 |(x, y): (f64, f64)| (-100.0..=FAR).contains(&x) && (-100.0..=FAR).contains(&y) && !walls.is_empty();
@@ -525,6 +531,27 @@ impl Tally {
                     self.note("pushed from two sides");
                 }
             }
+            self.watch_seams(sim, space, &bodies[..own], &bodies);
+        }
+    }
+
+    /// Records which colliders touch across the border of a space that wraps.
+    fn watch_seams(&self, sim: &Simulator, space: SpaceId, own: &[Body], all: &[Body]) {
+        for (axis, period) in sim.world().spaces[space].periods.into_iter().enumerate() {
+            let Some(period) = period else { continue };
+            for (a, b) in own.iter().flat_map(|a| all.iter().map(move |b| (a, b))).filter(|(a, b)| a.slot != b.slot) {
+                let is_met = [-1.0, 1.0].into_iter().any(|turn| {
+                    let mut sides = b.sides;
+                    sides[2 * axis..2 * axis + 2].iter_mut().for_each(|side| *side += turn * period.size());
+                    let over = |axis: usize| {
+                        a.sides[2 * axis + 1].min(sides[2 * axis + 1]) - a.sides[2 * axis].max(sides[2 * axis])
+                    };
+                    over(0) > 0.01 && over(1) > 0.01
+                });
+                if is_met && sim.world().meeting(a.tags, b.tags).is_some() {
+                    self.note(if b.slot.is_some() { "two across a seam" } else { "a wall across a seam" });
+                }
+            }
         }
     }
 
@@ -668,6 +695,9 @@ const EVENTS: &[&str] = &[
     "an instance begins where a placed one is gone",
     "an instance ends",
     "a player leaves its bounds",
+    "a seam is crossed",
+    "two across a seam",
+    "a wall across a seam",
     "a second player",
     "a tile sets a reference",
     "a place with an instance",

@@ -78,7 +78,7 @@ impl Generator<'_> {
                 };
                 set(self, value)
             }
-            "heat" if p.extremes && self.draw.chance(15) => "heat := (heat + 1) * 1000000000 * 1000000000".into(),
+            "heat" if p.extremes && self.draw.chance(40) => "heat := (heat + 1) * 1000000000 * 1000000000".into(),
             "heat" => format!("heat := {}", self.value(Dim::Pure)),
             "y''" => format!("y'' := {}", self.value(Dim::Force)),
             "flag" => format!("flag := {}", self.guard()),

@@ -82,14 +82,14 @@
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
   "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
-  "condition" "chance" "signal" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "int"
+  "condition" "chance" "signal" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "wrap" "int"
 ] @keyword
 (bool_domain) @keyword
 [
   "with" "from" "above" "at" "by" "fixed" "directions" "attack" "decay" "sustain" "release" "accel" "over" "to" "for"
   "legend" "tile" "vglc" "tiled" "ldtk" "level" "x"
 ] @keyword
-[(instant) (hold)] @keyword
+[(instant) (hold) (way)] @keyword
 ["block" "sense" "keep" "velocity" "carry" "bounce"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
 ["and" "or" "not" "in" "is" "as" "any" "all" "touching"] @keyword.operator

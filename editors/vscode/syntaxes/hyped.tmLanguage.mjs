@@ -203,6 +203,7 @@ const repository = {
       groups(r`${START}(link)\s+(rect)\b`, 'keyword.control', 'storage.type'),
       groups(r`(->)\s*(${NAME})\s+(at)\s+(rect)\b`, 'keyword.operator.arrow', 'entity.name.namespace', 'keyword.control', 'storage.type'),
       groups(r`${START}(bounds)\s+(rect)\b`, 'keyword.control', 'storage.type'),
+      groups(r`${START}(wrap)(?=\s+${NAME})`, 'keyword.control'),
       between(r`${START}(rect)\b`, ['storage.type'], r`(?=[(;{}])`, [], use('tags'), 'meta.tags'),
       // A tile set may have the name of a kind of map.
       groups(r`${START}(map)\s+(vglc|tiled|ldtk)(?=\s*"[^"]+")`, 'keyword.control', 'keyword.control'),

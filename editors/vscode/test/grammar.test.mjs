@@ -188,10 +188,10 @@ test('characters of tiles', () => {
 });
 
 test('maps from files, links, rectangles', () => {
-  looks("world W {\n    space s {\n        map vglc \"a.txt\" legend \"b.json\" tile 16 x 16 { 'E': spawn Slime }\n        bounds rect(0, 0, 1, 1)\n        rect wall, ice (0, 0, 1, 1)\n        link rect(0, 0, 1, 1) -> t at rect(0, 0, 1, 1) when hero.keys > 0\n    }\n    space t { map level legend \"b.json\" tile 8 x 8 }\n    space u { map level from \"a.txt\" }\n    space v { map level cave }\n}", [
+  looks("world W {\n    space s {\n        map vglc \"a.txt\" legend \"b.json\" tile 16 x 16 { 'E': spawn Slime }\n        bounds rect(0, 0, 1, 1)\n        wrap vertical\n        rect wall, ice (0, 0, 1, 1)\n        link rect(0, 0, 1, 1) -> t at rect(0, 0, 1, 1) when hero.keys > 0\n    }\n    space t { map level legend \"b.json\" tile 8 x 8 }\n    space u { map level from \"a.txt\" }\n    space v { map level cave }\n}", [
     ['map', 'keyword.control'], ['vglc', 'keyword.control'], ['"a.txt"', 'string.quoted.double'], ['legend', 'keyword.control'],
     ['tile', 'keyword.control'], ['16', 'constant.numeric'], ['x', 'keyword.control'], ['E', 'constant.character.tile'], ['Slime', 'entity.name.type'],
-    ['bounds', 'keyword.control'], ['rect', 'storage.type'], ['rect', 'storage.type'], ['wall', 'entity.name.tag'], ['ice', 'entity.name.tag'],
+    ['bounds', 'keyword.control'], ['rect', 'storage.type'], ['wrap', 'keyword.control'], ['rect', 'storage.type'], ['wall', 'entity.name.tag'], ['ice', 'entity.name.tag'],
     ['link', 'keyword.control'], ['t', 'entity.name.namespace'], ['at', 'keyword.control'], ['when', 'keyword.control'],
     ['keys', 'variable.other.member'], ['space', 'storage.type'], ['level', 'keyword.control'], ['legend', 'keyword.control'],
     ['level', 'entity.name.namespace'], ['from', 'keyword.control'], ['level', 'keyword.control'], ['cave', 'entity.name.namespace'],

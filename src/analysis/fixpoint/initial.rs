@@ -7,6 +7,7 @@ use crate::analysis::domain::values::Values;
 use crate::analysis::domain::widen::within_bounds;
 use crate::analysis::fixpoint::{Analysis, MAX_CONFIGURATIONS};
 use crate::analysis::geometry::placement::{PlacedColliders, Placement};
+use crate::analysis::geometry::seam::bring_in;
 
 impl Analysis<'_> {
     /// Adds the initial configurations of an instance that exists from the start.
@@ -18,6 +19,7 @@ impl Analysis<'_> {
         if !s.is_fixed {
             at.params = s.params.iter().map(|p| Values::point(*p)).collect();
         }
+        bring_in(self.world, &mut at);
         // Contacts are detected before the first step, too, without pushes.
         let contact = VarId::XY.map(|var| at.vars[var][0]);
         let known = &mut self.slots[slot].contact;
@@ -119,6 +121,7 @@ impl Analysis<'_> {
                 self.slots[slot].is_changed = true;
                 changed = true;
             }
+            bring_in(self.world, &mut spawned);
             changed |= self.enter(slot, spawned);
         }
         changed

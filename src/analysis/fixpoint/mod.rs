@@ -23,6 +23,7 @@ use crate::analysis::fixpoint::counter_bounds::Limits;
 use crate::analysis::geometry::cells::{CellId, Cells};
 use crate::analysis::geometry::placement::{PlacedColliders, Placement};
 use crate::analysis::geometry::scene::Scene;
+use crate::analysis::geometry::seam::keep_in;
 use crate::analysis::geometry::surroundings::Surroundings;
 use crate::analysis::step::evaluate::{Joined, Phase, Reader};
 use crate::analysis::step::forbidden::Forbidden;
@@ -250,6 +251,7 @@ impl<'a> Analysis<'a> {
             self.forbidden.cut(slot, &mut joined);
             joined.sharpen();
             self.scene.cells[self.scene.of[slot]].cut(cell, &mut joined);
+            keep_in(self.world, &mut joined);
             growing.at = within_bounds(self.world, slot, joined);
             growing.is_new = true;
             known.is_changed = true;

@@ -175,7 +175,9 @@ fn push_bound(
 ) -> Option<(f64, BTreeMap<SpaceId, Vec<Obstacle>>)> {
     let (kind, summary) = (&scene.kinds[me], &summaries[me]);
     let far = summary.near_step;
-    if kind.can_be_inside || !far.is_finite() || !scene.is_precise(me) {
+    // Whether regions hang together across a seam is not looked at.
+    let wraps = summary.spaces.iter().any(|space| scene.world.spaces[*space].wraps());
+    if wraps || kind.can_be_inside || !far.is_finite() || !scene.is_precise(me) {
         return None;
     }
     let is_thin = |thickness: f64| far + TOLERANCE + ROUNDING >= thickness;

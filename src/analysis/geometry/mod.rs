@@ -9,6 +9,7 @@ pub(in crate::analysis) mod presence;
 pub(in crate::analysis) mod probe_lines;
 pub(in crate::analysis) mod region;
 pub(in crate::analysis) mod scene;
+pub(in crate::analysis) mod seam;
 pub(in crate::analysis) mod statics;
 pub(in crate::analysis) mod surroundings;
 pub(in crate::analysis) mod tiles;

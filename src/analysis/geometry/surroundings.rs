@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::ir::{Bounce, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId};
+use crate::ir::{Bounce, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId, World};
 
 use crate::analysis::domain::configuration::{Configuration, Overall};
 use crate::analysis::domain::values::{Interval, Values};
@@ -16,6 +16,7 @@ use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::presence::KeptOut;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::scene::Scene;
+use crate::analysis::geometry::seam;
 
 /// The possible contacts of every slot.
 #[derive(Debug, Default, Clone)]
@@ -175,7 +176,7 @@ impl Surroundings {
 
     /// The collision phase; `moved` is the result of the continuous phase. Returns the positions when contacts are
     /// detected.
-    pub fn collide(&self, slot: SlotId, motion: &Motion, moved: &mut Configuration) -> [Values; 2] {
+    pub fn collide(&self, world: &World, slot: SlotId, mut motion: Motion, moved: &mut Configuration) -> [Values; 2] {
         let contacts = self.of(slot);
         for ((axis, places), own) in (0..).zip(&contacts.carried).zip(motion.own) {
             if let Some(places) = places {
@@ -185,11 +186,16 @@ impl Surroundings {
                 moved.energy[var] = None;
             }
         }
+        for axis in 0..2 {
+            if seam::into_reach(world, axis, moved) {
+                motion.from[axis] = Values::all();
+            }
+        }
         let contact = [moved.vars[VarId::X][0], moved.vars[VarId::Y][0]];
         if !contacts.is_pushed || !is_near(contacts.near, &contact) {
             return contact;
         }
-        contacts.push_out(motion, moved);
+        contacts.push_out(&motion, moved);
         if !contacts.regions.is_empty() && contacts.holds_for(&moved.leaves) {
             let (x, y) = (moved.vars[VarId::X][0], moved.vars[VarId::Y][0]);
             let cut = moved.spaces.iter().map(|space| self.within_region(slot, *space, &x, &y));
@@ -383,12 +389,19 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
         // It may have been pushed since it was on the carrier; a stationary instance carries nothing.
         let slack = [0, 1].map(|axis| summaries[me].push[axis] + summary.displacement[axis]);
         let slack = summary.stationary.is_none().then_some(slack);
-        pushed_by(&mut out, &mut carried, pair, (mine, theirs), summary, slack);
+        let contact = [0, 1].map(|axis| seam::seen(scene.world, spaces, axis, &summary.contact[axis]));
+        pushed_by(&mut out, &mut carried, pair, (mine, theirs), &contact, slack);
     }
     for edges in out.edges.iter_mut().chain(&mut out.faces).flatten() {
         disjoin(edges);
     }
-    out.carried = carried.map(|c| if c.is_empty() { None } else { Some(Values::any(c)) });
+    let mut axis = 0;
+    out.carried = carried.map(|c| {
+        // Across a seam, nothing is known of where a carrier takes it.
+        let is_free = seam::wraps(scene.world, spaces, std::mem::replace(&mut axis, 1));
+        let places = if is_free { Values::all() } else { Values::any(c.iter().copied()) };
+        (!c.is_empty()).then_some(places)
+    });
     if out.anywhere {
         out.carried = out.carried.map(|c| c.map(|_| Values::all()));
     }
@@ -407,7 +420,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
             Values::any(asked.iter().flat_map(|pair| {
                 let (mine, theirs) = body(pair);
                 let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
-                let at = summaries[pair.kind].contact[axis].intervals().iter();
+                let seen = seam::seen(scene.world, spaces, axis, &summaries[pair.kind].contact[axis]);
+                let at = seen.intervals().to_vec().into_iter();
                 at.map(move |at| {
                     let place = near(mine.extent, axis, (at.low + extent.low, at.high + extent.high));
                     rounded(Interval { low: place.low - moved, high: place.high + moved })
@@ -424,7 +438,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
             let wide = |i: Interval, by: f64| rounded(Interval { low: i.low - by, high: i.high + by });
             let of_statics = statics.iter().filter_map(|s| s.places.get(id.index())).flat_map(|p| &p[axis]);
             let of_others = places_of_others[id.index()][axis];
-            Values::any(of_statics.map(|place| wide(*place, moved)).chain(of_others.intervals().iter().copied()))
+            let all = of_statics.map(|place| wide(*place, moved)).chain(of_others.intervals().iter().copied());
+            seam::wrapped(scene.world, spaces, axis, &Values::any(all))
         });
         let is_pushing = |p: &&Pair| pushes(scene, me, p);
         let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(is_pushing);
@@ -437,7 +452,8 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
             };
             let first = kind.slots.iter().map(|s| &scene.world.slots[*s]).filter(|s| s.origin != Origin::Free);
             let first = first.map(|s| Interval::point(s.vars[VarId::XY[axis]][0]));
-            places[axis] = places[axis].and(&Values::any(ends.into_iter().chain(first)));
+            let ends = seam::wrapped(scene.world, spaces, axis, &Values::any(ends.into_iter().chain(first)));
+            places[axis] = places[axis].and(&ends);
         }
         places
     };
@@ -462,7 +478,7 @@ fn pushed_by(
     carried: &mut [Vec<Interval>; 2],
     pair: &Pair,
     (mine, theirs): (&Body, &Body),
-    summary: &KindSummary,
+    contact: &[Values; 2],
     slack: Option<[f64; 2]>,
 ) {
     let (Some(extent), Some(other)) = (mine.extent, theirs.extent) else {
@@ -472,7 +488,7 @@ fn pushed_by(
     };
     let mut reaches = [Interval::ALL; 2];
     for axis in 0..2 {
-        let Some(at) = summary.contact[axis].hull() else { continue };
+        let Some(at) = contact[axis].hull() else { continue };
         let reach = near(mine.extent, axis, (at.low + other[axis].low, at.high + other[axis].high));
         reaches[axis] = reach;
         for side in sides_of(pair.meeting).filter(|s| face(*s).0 == axis) {
@@ -485,7 +501,7 @@ fn pushed_by(
                         0 => other[axis].high - extent[axis].low,
                         _ => other[axis].low - extent[axis].high,
                     };
-                    let at = summary.contact[axis].intervals().iter();
+                    let at = contact[axis].intervals().iter();
                     at.map(|i| rounded(Interval { low: i.low + offset, high: i.high + offset })).collect()
                 }
             };

@@ -4,10 +4,13 @@ use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
 use crate::watch::Meter;
 
 use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::seam::origin;
 
 /// The map of a space; empty if it has none.
 pub(in crate::analysis) struct Tiles<'a> {
     map: Option<&'a TileMap<TagId>>,
+    /// The numbers of the first column and of the first row.
+    origin: [i64; 2],
     /// The tags of each kind of tile.
     pub tags: Vec<TagSet>,
 }
@@ -19,7 +22,8 @@ impl<'a> Tiles<'a> {
     pub fn new(world: &'a World, space: SpaceId) -> Self {
         let map = world.spaces[space].map.as_ref();
         let kinds = map.iter().flat_map(|m| &m.kinds);
-        Tiles { map, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect() }
+        let origin = map.map_or([0; 2], |map| origin(&world.spaces[space], map));
+        Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect() }
     }
 
     /// Width and height of a tile, px.
@@ -47,9 +51,14 @@ impl<'a> Tiles<'a> {
     pub fn bounds(&self, at: usize) -> Bounds {
         let [width, height] = self.size();
         let columns = self.count().0.max(1);
-        let (column, row) = ((at % columns) as f64, (at / columns) as f64);
+        let (column, row) = (self.number(0, at % columns), self.number(1, at / columns));
         let (left, bottom) = (column * width, row * height);
         Bounds { left, right: left + width, bottom, top: bottom + height }
+    }
+
+    /// The number of the column or the row with an index, from the origin of the space on.
+    fn number(&self, axis: usize, index: usize) -> f64 {
+        (index as i64 + self.origin[axis]) as f64
     }
 
     /// The tags of the tile in a cell.
@@ -89,11 +98,11 @@ impl<'a> Tiles<'a> {
                 *is_in_column |= is_in;
             }
         }
-        let lines = |on: &[bool], size: f64| {
-            let on = on.iter().enumerate().filter(|(_, on)| **on);
-            on.map(|(i, _)| (i as f64 * size, i as f64 * size + size)).collect()
+        let lines = |on: &[bool], axis: usize, size: f64| {
+            let on = on.iter().enumerate().filter(|(_, on)| **on).map(|(i, _)| self.number(axis, i));
+            on.map(|i| (i * size, i * size + size)).collect()
         };
-        (lines(&columns, map.tile.0), lines(&rows, map.tile.1))
+        (lines(&columns, 0, map.tile.0), lines(&rows, 1, map.tile.1))
     }
 
     /// The boxes of the selected kinds of tiles; runs in a row are merged.
@@ -107,11 +116,12 @@ impl<'a> Tiles<'a> {
             let mut from = 0;
             for run in cells.chunk_by(|a, b| a == b) {
                 if run[0] {
+                    let bottom = self.number(1, row) * height;
                     out.push(Bounds {
-                        left: from as f64 * width,
-                        right: (from + run.len()) as f64 * width,
-                        bottom: row as f64 * height,
-                        top: row as f64 * height + height,
+                        left: self.number(0, from) * width,
+                        right: self.number(0, from + run.len()) * width,
+                        bottom,
+                        top: bottom + height,
                     });
                 }
                 from += run.len();
@@ -124,12 +134,13 @@ impl<'a> Tiles<'a> {
     pub fn within(&self, x: Interval, y: Interval) -> impl Iterator<Item = usize> + '_ {
         let (columns, rows) = self.count();
         let [width, height] = self.size();
-        let range = |i: Interval, size: f64, count: usize| {
-            let cell = |x: f64| (x / size).floor().clamp(0.0, count as f64) as usize;
-            if i.high < 0.0 { 0..0 } else { cell(i.low)..(cell(i.high) + 1).min(count) }
+        let range = |i: Interval, axis: usize, size: f64, count: usize| {
+            let first = self.origin[axis] as f64;
+            let cell = |x: f64| ((x / size).floor() - first).clamp(0.0, count as f64) as usize;
+            if i.high < first * size { 0..0 } else { cell(i.low)..(cell(i.high) + 1).min(count) }
         };
-        let across = range(x, width, columns);
-        let cells = range(y, height, rows).flat_map(move |row| across.clone().map(move |c| row * columns + c));
+        let across = range(x, 0, width, columns);
+        let cells = range(y, 1, height, rows).flat_map(move |row| across.clone().map(move |c| row * columns + c));
         cells.filter_map(|at| self.kind(at))
     }
 }

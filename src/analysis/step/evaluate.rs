@@ -12,6 +12,7 @@ use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
 use crate::analysis::domain::received::Received;
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::seam;
 use crate::analysis::geometry::surroundings::Surroundings;
 
 use super::probe::There;
@@ -408,8 +409,11 @@ impl<'a> Reader<'a> {
                     Some(c) => (c.vars[VarId::X][0], c.vars[VarId::Y][0]),
                     None => (self.position(of, 0), self.position(of, 1)),
                 };
-                let apart = |a: &Values, b: ExprId| a.pairs(&self.number(b), Interval::minus).map(Interval::square);
-                let squares = apart(&px, x).pairs(&apart(&py, y), Interval::plus);
+                let apart = |axis: usize, a: &Values, b: ExprId| {
+                    let ways = a.pairs(&self.number(b), Interval::minus);
+                    seam::shortest(self.world, axis, &ways).map(Interval::square)
+                };
+                let squares = apart(0, &px, x).pairs(&apart(1, &py, y), Interval::plus);
                 let distance = squares.map(|i| i.map(|s| s.max(0.0).sqrt()));
                 let found = compare_values(CompareOp::AtMost, &distance, &self.number(radius));
                 Truth { can_hold: found.can_hold, can_fail: true }

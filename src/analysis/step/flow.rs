@@ -6,6 +6,7 @@ use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::energy::Fall;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::domain::widen::within_bounds;
+use crate::analysis::geometry::seam::bring_in;
 use crate::analysis::geometry::surroundings::Motion;
 use crate::analysis::step::evaluate::Reader;
 use crate::analysis::step::{Beginning, FlowCache, Outcome, Stepper, shift};
@@ -136,7 +137,8 @@ impl Stepper<'_> {
         }
         let far = [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.max(-v.low) * self.step));
         let begin = VarId::XY.map(|var| next.vars[var][0]);
-        let contact = self.reader.surroundings.collide(self.slot, &Motion { from: begin, own, far }, &mut moved);
+        let motion = Motion { from: begin, own, far };
+        let contact = self.reader.surroundings.collide(self.reader.world, self.slot, motion, &mut moved);
         let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
         greatest(&mut outcome.speed);
         // A step that leaves the area of the obstacles, or crosses it, counts as near them.
@@ -147,6 +149,7 @@ impl Stepper<'_> {
         for (known, at) in outcome.contact.iter_mut().zip(contact) {
             *known = known.or(&at);
         }
+        bring_in(self.reader.world, &mut moved);
         let mut moved = within_bounds(self.reader.world, self.slot, moved);
         moved.sharpen();
         (!moved.is_impossible()).then_some(moved)

@@ -203,7 +203,8 @@ impl Reader<'_> {
         statics: Option<&[Overlap]>,
         corner: Corner,
     ) -> Truth {
-        let Some(statics) = statics else { return Truth::EITHER };
+        // Beyond a seam there is more.
+        let Some(statics) = statics.filter(|_| !self.world.spaces[space].wraps()) else { return Truth::EITHER };
         let mut out = Truth { can_hold: false, can_fail: true };
         if !look.asked.bound {
             out.can_hold = statics.iter().any(|there| there.can_be(corner));

@@ -23,6 +23,7 @@ pub mod syntax;
 pub mod types;
 pub mod values;
 pub mod world;
+pub mod wrap;
 
 /// `a`, `a or b`, `a, b or c`.
 pub(crate) fn list(words: &[String], joint: &str) -> String {

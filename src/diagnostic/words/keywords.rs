@@ -395,6 +395,12 @@ pub const MEANINGS: &[Meaning] = &[
          no border.",
         "bounds rect(-32, 0, 512, 256)",
     ),
+    means(
+        "wrap",
+        "Makes two borders of the space one: what leaves at the one comes in at the other. The borders are those of \
+         `bounds`, or of the map.",
+        "wrap horizontal\nwrap vertical",
+    ),
 ];
 
 const VGLC: &str = "map vglc \"one.txt\" legend \"legend.json\" tile 16 x 16 { 'E': spawn Slime }";

@@ -129,6 +129,7 @@ fn space(s: &checked::Space, guards: &[Option<ExprId>]) -> Space {
             .map(|solid| Solid { tags: solid.tags.iter().copied().collect(), bounds: Bounds::new(solid.rect) })
             .collect(),
         bounds: s.bounds.map(Bounds::new),
+        periods: s.periods(),
         links: s
             .links
             .iter()

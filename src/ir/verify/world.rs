@@ -21,9 +21,10 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
     })?;
     each("slots", slots, |_, slot| self::slot(program, world, slot))?;
     each("spaces", spaces, |_, space| {
-        let Space { name: _, map, solids, bounds, links } = space;
+        let Space { name: _, map, solids, bounds, periods: _, links } = space;
         map.as_ref().map_or(Ok(()), |map| self::map(program, map)).at("map")?;
         bounds.map_or(Ok(()), rectangle).at("bounds")?;
+        wraps(space).at("periods")?;
         each_of("solids", solids, |Solid { tags: of, bounds }| {
             tags(*of, program).at("tags")?;
             rectangle(*bounds).at("bounds")
@@ -93,6 +94,21 @@ fn map(program: &Program, map: &TileMap<TagId>) -> Checked {
         .at("cells")?;
     ensure(cells.iter().all(|kind| usize::from(*kind) < kinds.len()), "a tile is of no kind").at("cells")?;
     each_of("kinds", kinds, |kind| super::all_exist(&kind.tags, &program.tags).at("tags"))
+}
+
+/// Checks that what repeats lies between the borders, that no rectangle is longer, and that a map fills it.
+fn wraps(space: &Space) -> Checked {
+    let sides = |b: Bounds, axis: usize| [(b.left, b.right), (b.bottom, b.top)][axis];
+    for (axis, period) in space.periods.iter().enumerate().filter_map(|(axis, period)| Some((axis, (*period)?))) {
+        let borders = (period.low, period.high);
+        let is_within = |b: Option<Bounds>| b.is_none_or(|b| sides(b, axis) == borders);
+        ensure(space.extent().is_some() && is_within(space.extent()), "the borders are not those of the space")?;
+        ensure(is_within(space.map_rectangle()), "the map does not fill what repeats")?;
+        ensure(period.low < period.high, "the borders are one place")?;
+        let is_longer = |solid: &Solid| sides(solid.bounds, axis).1 - sides(solid.bounds, axis).0 > period.size();
+        ensure(!space.solids.iter().any(is_longer), "a rectangle is longer than what repeats")?;
+    }
+    Ok(())
 }
 
 fn rectangle(Bounds { left, right, bottom, top }: Bounds) -> Checked {

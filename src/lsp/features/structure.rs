@@ -369,7 +369,7 @@ impl Outline<'_> {
                 let (text, at) = name.map_or(("level", map.span), |name| (&*name.text, name.span));
                 self.symbol_at(text, at, SymbolKind::File, map.span, Some("map"), inside)
             }
-            SpaceItem::Bounds(_) => return None,
+            SpaceItem::Bounds(_) | SpaceItem::Wrap(_) => return None,
         })
     }
 

@@ -64,7 +64,23 @@ pub struct Index {
     order: Vec<u32>,
     /// By index.
     locations: Vec<Location>,
+    /// The coordinates that repeat.
+    around: Vec<Around>,
 }
+
+/// A coordinate that repeats, as in a space that wraps: its points lie in one period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Around {
+    /// The number of the coordinate.
+    pub coordinate: usize,
+    /// The middle of the period.
+    pub middle: f32,
+    /// Its length, more than 0.
+    pub size: f32,
+}
+
+/// Maximum number of coordinates that repeat: each of them doubles the work of a query.
+const MAX_AROUND: usize = 4;
 
 impl Index {
     /// An empty index of points with `reals` finite coordinates and `modes` modes; a differing mode adds `penalty` (at
@@ -88,7 +104,17 @@ impl Index {
             partitions,
             order,
             locations,
+            around: Vec::new(),
         }
+    }
+
+    /// With coordinates that repeat: of the ways between two points, the shortest counts. A query is then also asked one
+    /// period further, towards the other end of each of them.
+    #[must_use]
+    pub fn around(mut self, mut around: Vec<Around>) -> Self {
+        around.truncate(MAX_AROUND);
+        self.around = around;
+        self
     }
 
     /// Removes all points, but keeps the memory of the scanned ones.
@@ -183,6 +209,30 @@ impl Index {
     }
 
     fn search(&self, reals: &[f32], modes: &[f32], accept: &mut impl FnMut(usize) -> bool) -> Option<Neighbour> {
+        let nearest = self.search_once(reals, modes, accept);
+        if self.around.is_empty() {
+            return nearest;
+        }
+        let mut best = nearest;
+        let mut moved = reals.to_vec();
+        for turned in 1..1_u32 << self.around.len() {
+            moved.copy_from_slice(reals);
+            for (at, Around { coordinate, middle, size }) in self.around.iter().enumerate() {
+                if turned >> at & 1 == 1 {
+                    let real = &mut moved[*coordinate];
+                    *real += if *real < *middle { *size } else { -*size };
+                }
+            }
+            let found = self.search_once(&moved, modes, accept);
+            let is_better = |a: &Neighbour, b: &Neighbour| (a.distance, a.index) < (b.distance, b.index);
+            if let Some(found) = found.filter(|found| best.is_none_or(|best| is_better(found, &best))) {
+                best = Some(found);
+            }
+        }
+        best
+    }
+
+    fn search_once(&self, reals: &[f32], modes: &[f32], accept: &mut impl FnMut(usize) -> bool) -> Option<Neighbour> {
         debug_assert_eq!((reals.len(), modes.len()), (self.reals, self.modes), "a point of this space");
         let mut query = Query { reals: at_least_one(reals), modes, penalty: self.penalty, differing: 0 };
         let mut best = Best::none();

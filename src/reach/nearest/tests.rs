@@ -298,3 +298,33 @@ fn a_query_takes_no_memory() {
         assert_eq!((counted.count_total, counted.bytes_total), (0, 0));
     }
 }
+
+#[test]
+fn of_two_ways_around_the_shorter_counts() {
+    let around = |points: &[[f32; 2]], query: [f32; 2]| {
+        let mut index = Index::new(2, 0, 0.0).around(vec![
+            Around { coordinate: 0, middle: 5.0, size: 10.0 },
+            Around { coordinate: 1, middle: 50.0, size: 100.0 },
+        ]);
+        points.iter().for_each(|point| index.push(point, &[]));
+        let brute = |point: &[f32; 2]| {
+            let way = |a: f32, b: f32, size: f32| [a - b, a - b + size, a - b - size].map(f32::abs);
+            let least = |ways: [f32; 3]| ways.into_iter().fold(f32::INFINITY, f32::min);
+            let (x, y) = (least(way(point[0], query[0], 10.0)), least(way(point[1], query[1], 100.0)));
+            x * x + y * y
+        };
+        let found = index.nearest(&query, &[]).unwrap();
+        let least = points.iter().map(brute).fold(f32::INFINITY, f32::min);
+        assert!((found.distance - least).abs() < 1e-3, "{query:?}: {found:?}, {least}");
+        found.index
+    };
+    let points = [[1.0, 50.0], [5.0, 50.0], [9.0, 50.0], [9.5, 1.0]];
+    assert_eq!(around(&points, [9.9, 50.0]), 2);
+    assert_eq!(around(&points, [0.1, 99.0]), 3);
+    assert_eq!(around(&points[..2], [9.9, 50.0]), 0);
+    for x in 0..40 {
+        for y in 0..40 {
+            around(&points, [x as f32 * 0.25, y as f32 * 2.5]);
+        }
+    }
+}

@@ -29,7 +29,7 @@ pub struct Reachable {
 impl Reachable {
     pub fn new(metric: &Metric) -> Self {
         Reachable {
-            successors: Index::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY),
+            successors: Index::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY).around(metric.around()),
             choices: Vec::new(),
             goal_choice: None,
             point: Point::default(),

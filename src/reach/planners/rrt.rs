@@ -19,7 +19,7 @@ pub struct Rrt {
 impl Rrt {
     /// A strategy for a space.
     pub fn new(metric: &Metric) -> Self {
-        Rrt { open: Index::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY) }
+        Rrt { open: Index::new(metric.coordinates().len(), metric.modes(), MODE_PENALTY).around(metric.around()) }
     }
 
     /// As [`Strategy::choose`], among the nodes that are accepted.

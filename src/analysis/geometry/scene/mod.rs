@@ -21,6 +21,7 @@ use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::presence::Presence;
 use crate::analysis::geometry::probe_lines::probe_lines;
 use crate::analysis::geometry::region::{Obstacle, Region};
+use crate::analysis::geometry::seam::reaches_around;
 use crate::analysis::geometry::statics::Statics;
 
 /// Maximum number of seeds that are kept apart.
@@ -290,6 +291,8 @@ impl<'a> Scene<'a> {
             let extent = sides.map(|[x, y, width, height]| {
                 [Interval { low: x, high: x + width }, Interval { low: y, high: y + height }]
             });
+            // What reaches farther than static obstacles are repeated can meet anything.
+            let extent = extent.filter(|extent| !reaches_around(self.world, *extent));
             let presence = Presence::of(self.program, &self.program.entities[entity], c.guard);
             let is_live = presence == Some(Presence::Always);
             let is_pushed = !c.kinematic && self.is_pushed(c.tags);

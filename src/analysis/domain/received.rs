@@ -122,11 +122,13 @@ mod tests {
         };
         assert_eq!(sum(true, &[3.0, 4.0, -2.0]), Interval { low: -2.0, high: 7.0 });
         assert_eq!(sum(true, &[2.5]), Interval { low: 0.0, high: 3.0 });
-        // In this order and in the other one.
-        let numbers = [0.1, 0.2, 0.3, 1e16, 0.7];
-        let all = sum(false, &numbers);
-        for total in [numbers.iter().sum::<f64>(), numbers.iter().rev().sum::<f64>()] {
-            assert!(all.low < 0.0 && total <= all.high, "{all:?} {total}");
+        // In this order and in the other one; a sum of positive numbers is positive.
+        for (numbers, is_positive) in [([0.1, 0.2, 0.3, 1e16, 0.7], true), ([0.1, -0.2, 0.3, 1e16, -0.7], false)] {
+            let all = sum(false, &numbers);
+            assert_eq!(all.low == 0.0, is_positive);
+            for total in [numbers.iter().sum::<f64>(), numbers.iter().rev().sum::<f64>()] {
+                assert!(all.low <= total && total <= all.high, "{all:?} {total}");
+            }
         }
         assert!(sum(false, &[1.0, f64::INFINITY]).high == f64::INFINITY);
     }

@@ -1,13 +1,9 @@
-//! The renderer for code hosts and editors: SARIF 2.1.0, the exchange format of checkers, through serde-sarif.
+//! The renderer for code hosts and editors: SARIF 2.1.0, the exchange format of checkers.
 //! Every code is a rule, its page the rule's help; columns count UTF-16 code units.
 
 use std::path::{Component, Path, PathBuf};
 
-use serde_sarif::sarif::{
-    ArtifactChange, ArtifactContent, ArtifactLocation, Fix as SarifFix, Location, Message, MultiformatMessageString,
-    PhysicalLocation, Region, Replacement, ReportingConfiguration, ReportingDescriptor, Result as Finding, ResultLevel,
-    Run, Sarif, Tool, ToolComponent,
-};
+use serde_json::{Value, json};
 
 use super::{Found, distinct, page};
 use crate::diagnostic::page::Page;
@@ -22,37 +18,31 @@ const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os
 /// # Errors
 /// None that are known; those of `serde_json`.
 pub fn sarif(run: &[Found<'_>], folder: &Path) -> Result<String, serde_json::Error> {
-    let driver = ToolComponent::builder()
-        .name("hypedc")
-        .semantic_version(env!("CARGO_PKG_VERSION"))
-        .rules(Code::ALL.iter().map(|code| rule(*code)).collect::<Vec<_>>())
-        .build();
-    let run = Run::builder()
-        .tool(Tool::builder().driver(driver).build())
-        .column_kind("utf16CodeUnits")
-        .results(distinct(run, |found, d| finding(found, d, folder)))
-        .build();
-    let log = Sarif::builder().schema(SCHEMA).version("2.1.0").runs(vec![run]).build();
+    let rules: Vec<Value> = Code::ALL.iter().map(|code| rule(*code)).collect();
+    let results: Vec<Value> = distinct(run, |found, d| finding(found, d, folder));
+    let driver = json!({ "name": "hypedc", "semanticVersion": env!("CARGO_PKG_VERSION"), "rules": rules });
+    let run = json!({ "tool": { "driver": driver }, "columnKind": "utf16CodeUnits", "results": results });
+    let log = json!({ "$schema": SCHEMA, "version": "2.1.0", "runs": [run] });
     Ok(serde_json::to_string_pretty(&log)? + "\n")
 }
 
-fn rule(code: Code) -> ReportingDescriptor {
-    ReportingDescriptor::builder()
-        .id(code.text())
-        .short_description(MultiformatMessageString::builder().text(code.title()).build())
-        .help(MultiformatMessageString::builder().text(page(&Page::of(code), false)).build())
-        .default_configuration(ReportingConfiguration::builder().level(level(code.severity())).build())
-        .build()
+fn rule(code: Code) -> Value {
+    json!({
+        "id": code.text(),
+        "shortDescription": { "text": code.title() },
+        "help": { "text": page(&Page::of(code), false) },
+        "defaultConfiguration": { "level": level(code.severity()) },
+    })
 }
 
-fn level(severity: Severity) -> serde_json::Value {
+fn level(severity: Severity) -> &'static str {
     match severity {
-        Severity::Error => "error".into(),
-        Severity::Warning => "warning".into(),
+        Severity::Error => "error",
+        Severity::Warning => "warning",
     }
 }
 
-fn finding(found: &Found<'_>, d: &Diagnostic, folder: &Path) -> Finding {
+fn finding(found: &Found<'_>, d: &Diagnostic, folder: &Path) -> Value {
     let place = |label: &Label| location(found.sources, label, folder);
     let mut text = d.message.clone();
     for help in &d.helps {
@@ -61,77 +51,75 @@ fn finding(found: &Found<'_>, d: &Diagnostic, folder: &Path) -> Finding {
     for note in &d.notes {
         text.push_str(&format!("\nnote: {note}"));
     }
-    let mut finding = Finding::builder()
-        .rule_id(d.code.text())
-        .rule_index(Code::ALL.iter().position(|code| *code == d.code).map_or(-1, |index| index as i64))
-        .level(match d.severity {
-            Severity::Error => ResultLevel::Error,
-            Severity::Warning => ResultLevel::Warning,
-        })
-        .message(message(text))
-        .locations(vec![d.primary.as_ref().map_or_else(|| whole_file(found.path, folder), place)])
-        .build();
+    let mut finding = json!({
+        "ruleId": d.code.text(),
+        "ruleIndex": Code::ALL.iter().position(|code| *code == d.code),
+        "level": level(d.severity),
+        "message": { "text": text },
+        "locations": [d.primary.as_ref().map_or_else(|| whole_file(found.path, folder), place)],
+    });
     if !d.secondary.is_empty() {
-        let numbered = (1..).zip(&d.secondary);
-        let related = numbered.map(|(id, label)| Location { id: Some(id), ..place(label) });
-        finding.related_locations = Some(related.collect());
+        let related = (1..).zip(&d.secondary).map(|(id, label)| {
+            let mut related = place(label);
+            related["id"] = json!(id);
+            related
+        });
+        finding["relatedLocations"] = related.collect();
     }
-    finding.fixes = d.fix.as_ref().map(|fix| vec![mending(found.sources, fix, folder)]);
+    if let Some(fix) = &d.fix {
+        finding["fixes"] = json!([mending(found.sources, fix, folder)]);
+    }
     finding
 }
 
-fn message(text: impl Into<String>) -> Message {
-    Message::builder().text(text).build()
+fn location(sources: &SourceMap, label: &Label, folder: &Path) -> Value {
+    let artifact = artifact(&sources.file(label.span.file()).path, folder);
+    json!({
+        "physicalLocation": { "artifactLocation": artifact, "region": region(sources, label.span) },
+        "message": { "text": label.text.as_str() },
+    })
 }
 
-fn location(sources: &SourceMap, label: &Label, folder: &Path) -> Location {
-    let physical = PhysicalLocation::builder()
-        .artifact_location(artifact(&sources.file(label.span.file()).path, folder))
-        .region(region(sources, label.span))
-        .build();
-    Location::builder().physical_location(physical).message(message(label.text.as_str())).build()
+fn whole_file(path: &Path, folder: &Path) -> Value {
+    json!({ "physicalLocation": { "artifactLocation": artifact(path, folder) } })
 }
 
-fn whole_file(path: &Path, folder: &Path) -> Location {
-    let physical = PhysicalLocation::builder().artifact_location(artifact(path, folder)).build();
-    Location::builder().physical_location(physical).build()
-}
-
-fn region(sources: &SourceMap, span: Span) -> Region {
+fn region(sources: &SourceMap, span: Span) -> Value {
     let file = sources.file(span.file());
     let (start_line, start_column) = file.line_column_utf16(span.range().start);
     let (end_line, end_column) = file.line_column_utf16(span.range().end);
-    Region::builder()
-        .start_line(start_line as i64)
-        .start_column(start_column as i64)
-        .end_line(end_line as i64)
-        .end_column(end_column as i64)
-        .byte_offset(i64::from(span.start()))
-        .byte_length(i64::from(span.end().saturating_sub(span.start())))
-        .build()
+    json!({
+        "startLine": start_line,
+        "startColumn": start_column,
+        "endLine": end_line,
+        "endColumn": end_column,
+        "byteOffset": span.start(),
+        "byteLength": span.end().saturating_sub(span.start()),
+    })
 }
 
 /// One change for each file.
-fn mending(sources: &SourceMap, fix: &Fix, folder: &Path) -> SarifFix {
+fn mending(sources: &SourceMap, fix: &Fix, folder: &Path) -> Value {
     let mut files: Vec<FileId> = fix.edits.iter().map(|(span, _)| span.file()).collect();
     files.sort();
     files.dedup();
     let changes = files.into_iter().map(|file| {
         let edits = fix.edits.iter().filter(|(span, _)| span.file() == file);
-        let replacements = edits.map(|(span, text)| {
-            let content = ArtifactContent::builder().text(text.as_str()).build();
-            Replacement::builder().deleted_region(region(sources, *span)).inserted_content(content).build()
-        });
-        ArtifactChange::builder()
-            .artifact_location(artifact(&sources.file(file).path, folder))
-            .replacements(replacements.collect::<Vec<_>>())
-            .build()
+        let replacements: Vec<Value> = edits
+            .map(|(span, text)| {
+                json!({ "deletedRegion": region(sources, *span), "insertedContent": { "text": text.as_str() } })
+            })
+            .collect();
+        json!({
+            "artifactLocation": artifact(&sources.file(file).path, folder),
+            "replacements": replacements,
+        })
     });
-    SarifFix::builder().description(message(fix.title.as_str())).artifact_changes(changes.collect::<Vec<_>>()).build()
+    json!({ "description": { "text": fix.title.as_str() }, "artifactChanges": changes.collect::<Vec<_>>() })
 }
 
-fn artifact(path: &Path, folder: &Path) -> ArtifactLocation {
-    ArtifactLocation::builder().uri(uri(path, folder)).build()
+fn artifact(path: &Path, folder: &Path) -> Value {
+    json!({ "uri": uri(path, folder) })
 }
 
 /// A path as a URI: relative to the folder where it lies in it, else `file:///…`.

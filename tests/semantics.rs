@@ -44,7 +44,7 @@ impl<'p> Run<'p> {
         let slot = self.slot(slot);
         let world = &self.program.worlds[WorldId(0)];
         let entity = &self.program.entities[world.slots[slot].entity];
-        let var: VarId = entity.vars.find(|v| v == name).unwrap();
+        let var: VarId = entity.vars.find(|v| **v == *name).unwrap();
         world.layout.slots[slot].var(&self.state, var, degree)
     }
 

@@ -47,7 +47,7 @@ impl Entity {
 
     /// The continuous variable with a name.
     pub fn var_named(&self, name: &str) -> Option<VarId> {
-        self.vars.find(|var| var == name)
+        self.vars.find(|var| **var == *name)
     }
 
     /// The discrete variable with a name.

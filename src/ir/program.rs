@@ -161,7 +161,7 @@ pub struct Entity {
     /// Parameters: constant per instance, see [`super::Slot::params`].
     pub params: RareVec<ParamId, Param>,
     /// Continuous variables by name; `x` and `y` are the first two.
-    pub vars: IdVec<VarId, String>,
+    pub vars: IdVec<VarId, Arc<str>>,
     /// Their first values, 0 where there is none; they read parameters only.
     pub first: IdVec<VarId, Option<ExprId>>,
     /// Discrete variables.
@@ -180,7 +180,7 @@ pub struct Entity {
     /// Groups; one leaf of each is active.
     pub groups: RareVec<GroupId, Group>,
     /// Modes in preorder, group by group.
-    pub modes: IdVec<ModeId, Mode>,
+    pub modes: RareVec<ModeId, Mode>,
     /// Edges in source order.
     pub edges: RareVec<EdgeId, Edge>,
     /// Envelopes.

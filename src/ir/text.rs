@@ -309,7 +309,9 @@ fn expression<'a>(
         }
         Expr::Var(of, var, degree) => {
             let name = entity(of).and_then(|e| e.vars.get(var)).cloned();
-            let name = name.unwrap_or_else(|| ["x", "y"].get(var.0 as usize).map_or(var.to_string(), |n| (*n).into()));
+            let name = name.unwrap_or_else(|| {
+                ["x", "y"].get(var.0 as usize).map_or_else(|| var.to_string().into(), |n| (*n).into())
+            });
             format!("{}{name}{}", owner(of), "'".repeat(usize::from(degree)))
         }
         Expr::Discrete(of, d) => {

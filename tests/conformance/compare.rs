@@ -91,7 +91,7 @@ fn differences(sim: &Simulator, state: &[u8], record: &Record) -> Vec<Difference
             }
         };
         for (var, name) in entity.vars.pairs() {
-            for (degree, recorded) in (0u8..).zip(recorded.vars[name]) {
+            for (degree, recorded) in (0u8..).zip(recorded.vars[&**name]) {
                 let name = format!("{name}{}", "'".repeat(usize::from(degree)));
                 let found = layout.var(state, var, degree);
                 number(DifferenceKind::Var(var, degree, found, recorded), &name, found, recorded);

@@ -193,7 +193,7 @@ pub fn state(sim: &Simulator, record: &Record, held: &Input, scratch: &mut Scrat
         assert_eq!(entity.timers.len(), recorded.timers.len(), "{}: all timers are recorded", s.name);
         assert_eq!(entity.discretes.len(), recorded.dvars.len(), "{}: all discrete variables are recorded", s.name);
         for (var, name) in entity.vars.pairs() {
-            for (degree, value) in (0u8..).zip(recorded.vars[name]) {
+            for (degree, value) in (0u8..).zip(recorded.vars[&**name]) {
                 layout.set_var(&mut state, var, degree, value);
             }
         }

@@ -54,7 +54,7 @@ fn discrete(domain: &Domain, found: &Values) -> String {
 
 fn unit(entity: &Entity, var: VarId, degree: u8) -> &'static str {
     // The units of other variables are not known here.
-    let is_position = entity.vars.get(var).is_some_and(|name| name == "x" || name == "y");
+    let is_position = entity.vars.get(var).is_some_and(|name| matches!(&**name, "x" | "y"));
     match degree {
         0 if is_position => "px",
         1 if is_position => "px/s",

@@ -26,9 +26,11 @@ pub fn lower(checked: Checked) -> Program {
     program.spans.tags = tags.iter().map(|t| t.span).collect();
     program.entities.reserve(entities.len());
     program.spans.entities.reserve(entities.len());
+    // Shared, as there may be many entities.
+    let position = ["x", "y"].map(Arc::from);
     // Goals add contact queries to entities, so all entities come first.
     for entity in entities {
-        let id = program.entities.push(shell(&entity).into());
+        let id = program.entities.push(shell(&entity, &position).into());
         program.spans.entities.push(spans(&entity).into());
         let from = ExprId::from_index(program.exprs.len());
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
@@ -48,8 +50,8 @@ pub fn lower(checked: Checked) -> Program {
     program
 }
 
-/// An entity's names and sizes, without code.
-fn shell(e: &checked::Entity) -> Entity {
+/// An entity's names and sizes, without code; `position` holds the names of its first variables.
+fn shell(e: &checked::Entity, position: &[Arc<str>; 2]) -> Entity {
     let discretes = e.discretes.iter().map(|d| Discrete {
         name: d.name.text.to_string(),
         domain: match d.ty {
@@ -64,7 +66,11 @@ fn shell(e: &checked::Entity) -> Entity {
         name: (*e.name.text).into(),
         doc: e.doc.as_deref().map(Box::from),
         params: RareVec::new(),
-        vars: e.vars.iter().map(|v| v.name.text.to_string()).collect(),
+        vars: e
+            .vars
+            .pairs()
+            .map(|(id, v)| position.get(id.index()).map_or_else(|| (&*v.name.text).into(), Arc::clone))
+            .collect(),
         first: IdVec::new(),
         discretes: discretes.collect(),
         refs: e.refs.iter().map(|r| Reference { name: r.name.text.to_string(), entity: r.entity }).collect(),
@@ -73,7 +79,7 @@ fn shell(e: &checked::Entity) -> Entity {
         chances: e.chances.iter().map(|c| Chance { name: c.name.text.to_string(), range: c.range }).collect(),
         colliders: RareVec::new(),
         groups: RareVec::new(),
-        modes: IdVec::new(),
+        modes: RareVec::new(),
         edges: RareVec::new(),
         envelopes: RareVec::new(),
         leaves: RareVec::new(),

@@ -22,10 +22,10 @@ pub struct Inputs {
     pub axes: u8,
     /// One bit for each chance.
     #[serde(default, skip_serializing_if = "is_none")]
-    pub chances: u64,
+    pub chances: u32,
 }
 
-fn is_none(set: &u64) -> bool {
+fn is_none(set: &u32) -> bool {
     *set == 0
 }
 

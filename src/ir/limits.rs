@@ -7,7 +7,7 @@ pub const MAX_BUTTONS: usize = 64;
 /// Maximum number of axes of an entity.
 pub const MAX_AXES: usize = 4;
 /// Maximum number of chances of an entity.
-pub const MAX_CHANCES: usize = 64;
+pub const MAX_CHANCES: usize = 32;
 /// Greatest size of a whole number that a range has.
 pub const MAX_INT: i32 = 1_000_000_000;
 /// Maximum number of modes of an entity.

@@ -304,6 +304,9 @@ impl Generator<'_> {
             let of = self.any_plan();
             let (tag, name) = (self.plans[of].tag, self.plans[of].name.clone());
             let touching = self.maybe_probe(tag).unwrap_or(format!("touching({tag})"));
+            if self.palette.ends && touching.contains(" at ") && self.draw.chance(40) {
+                self.line(format!("when {touching} as seen {{ destroy seen }}"));
+            }
             match self.draw.pick(3) {
                 0 => (format!("{touching} as seen"), Some(None)),
                 1 => {

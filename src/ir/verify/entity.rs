@@ -143,7 +143,7 @@ impl EntityVerifier<'_> {
         ensure(
             fit(buttons, self.entity.buttons.len())
                 && fit(u64::from(axes), self.entity.axes.len())
-                && fit(chances, self.entity.chances.len()),
+                && fit(u64::from(chances), self.entity.chances.len()),
             "it has no such input",
         )
     }

@@ -233,9 +233,9 @@ pub struct Entity {
     /// Flows and envelopes at the entity's own level.
     pub drives: Vec<Drive>,
     /// Soft bounds of variables.
-    pub clamps: Vec<Clamp>,
+    pub clamps: Box<[Clamp]>,
     /// Predicates that must always hold.
-    pub invariants: Vec<Term>,
+    pub invariants: Box<[Term]>,
     /// Named conditions, which their uses have replaced.
     pub conditions: Box<[Condition]>,
     /// The groups in the order of decision: a group comes after those that its guards depend on.

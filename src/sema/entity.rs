@@ -114,8 +114,8 @@ impl Checker<'_> {
             edges: RareVec::new(),
             envelopes: RareVec::new(),
             drives: Vec::new(),
-            clamps: Vec::new(),
-            invariants: Vec::new(),
+            clamps: Box::default(),
+            invariants: Box::default(),
             conditions: Box::default(),
             order: Box::default(),
         };
@@ -485,6 +485,7 @@ impl Checker<'_> {
         self.facts = Facts::default();
         self.entity_conditions(names, &scope);
         self.initial_values(&body.members, names, &mut entity, &scope);
+        let (mut clamps, mut invariants) = (Vec::new(), Vec::new());
         for member in body.members {
             match member {
                 Member::Collider(c) => {
@@ -498,10 +499,10 @@ impl Checker<'_> {
                     }
                 }
                 Member::Envelope(envelope) => self.envelope(&envelope, &scope, &mut entity, None),
-                Member::Clamp(clamp) => entity.clamps.extend(self.clamp(&clamp, &scope)),
+                Member::Clamp(clamp) => clamps.extend(self.clamp(&clamp, &scope)),
                 Member::Invariant(invariant) => {
                     let scope = scope.reading(ReadLimit::State);
-                    entity.invariants.extend(self.guard(&invariant.predicate, &scope));
+                    invariants.extend(self.guard(&invariant.predicate, &scope));
                 }
                 Member::Entry(_) | Member::Edge(_) | Member::Follow(_) => {
                     self.misplaced(&member, "an entity outside of its modes", "inside a mode, or in `always { … }`");
@@ -519,6 +520,7 @@ impl Checker<'_> {
         }
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
+        (entity.clamps, entity.invariants) = (clamps.into(), invariants.into());
         entity.order = self.group_order(&entity).into();
         entity.conditions = self.take_conditions(&scope).into();
         entity.bound = std::mem::take(&mut self.facts.bound).into();

@@ -157,6 +157,9 @@ pub(super) struct Actor {
     /// Numbers of its contact queries, and of those that are bound.
     pub touches: usize,
     pub bound: usize,
+    /// Numbers of its signals, and of those that come with a number.
+    pub signals: usize,
+    pub numbered: usize,
     /// The code of the entity.
     pub code: Arc<Code>,
     /// The id of its first expression.
@@ -206,6 +209,8 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
             timer_limits: slot.timer_limits.clone(),
             touches: entity.touches.len(),
             bound: entity.bound,
+            signals: entity.signals.len(),
+            numbered: entity.numbered_signals(),
             layout,
             code,
             base,

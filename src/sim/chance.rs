@@ -49,6 +49,11 @@ pub struct DrawId(pub u32);
 pub struct Draws(Vec<Option<i32>>);
 
 impl Draws {
+    /// All open, with room for a number of them.
+    pub(super) fn with_capacity(count: usize) -> Draws {
+        Draws(Vec::with_capacity(count))
+    }
+
     /// The value of a draw, if it is fixed.
     #[inline]
     pub fn get(&self, id: DrawId) -> Option<i32> {
@@ -192,13 +197,20 @@ impl Simulator {
         if self.draws.is_empty() {
             return Cow::Borrowed(input);
         }
-        let mut input = input.clone();
+        let mut drawn = Input::default();
+        self.draw_into(seed, step, input, &mut drawn);
+        Cow::Owned(drawn)
+    }
+
+    /// As [`Simulator::draw`], written to an input that is reused, so that nothing is allocated.
+    pub(super) fn draw_into(&self, seed: u64, step: u64, input: &Input, drawn: &mut Input) {
+        drawn.0.clone_from(&input.0);
+        drawn.1.0.clear();
         for (id, draw) in (0..).map(DrawId).zip(&self.draws) {
             let key = (u64::from(draw.slot.0) << 32) | u64::from(draw.chance.0);
             let value = input.1.get(id).unwrap_or_else(|| draw.of_bits(bits(seed, step, key)));
-            input.1.set(id, Some(value));
+            drawn.1.0.push(Some(value));
         }
-        Cow::Owned(input)
     }
 
     /// An input with the draws that the last step made with `scratch` has read, and no others: it has the same effect.

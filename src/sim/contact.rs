@@ -24,8 +24,8 @@ pub(super) struct Rect {
 }
 
 impl Rect {
-    /// The same box elsewhere.
-    pub fn moved(self, (x, y): (f64, f64)) -> Rect {
+    /// The same box, moved by a way, px; its space and where it came from stay.
+    pub fn moved(self, [x, y]: [f64; 2]) -> Rect {
         Rect { left: self.left + x, right: self.right + x, bottom: self.bottom + y, top: self.top + y, ..self }
     }
 

@@ -184,8 +184,8 @@ impl Simulator {
     #[inline]
     fn clear_signals(&self, state: &mut [u8]) {
         for &slot in &self.receivers {
-            let entity = self.entity(slot);
-            self.layout(slot).clear_signals(state, entity.signals.len(), entity.numbered_signals());
+            let Actor { layout, signals, numbered, .. } = &self.actors[slot.index()];
+            layout.clear_signals(state, *signals, *numbered);
         }
     }
 
@@ -194,14 +194,11 @@ impl Simulator {
     fn send(&self, state: &mut [u8], reader: &Reader<'_>, send: SendId) {
         let Send { to, entity, signal, value } = self.entity(reader.me).sends[send];
         let value = value.map(|value| (value, reader.number(value)));
-        let one = to.map(|to| reader.instance(to));
-        let is_receiver = |slot: &SlotId| {
-            one.is_none_or(|one| one == Some(*slot))
-                && self.world().slots[*slot].entity == entity
-                && self.layout(*slot).acts(reader.state)
-        };
-        for &slot in self.receivers.iter().filter(|slot| is_receiver(slot)) {
+        let mut receive = |slot: SlotId| {
             let layout = self.layout(slot);
+            if self.world().slots[slot].entity != entity || !layout.acts(reader.state) {
+                return;
+            }
             layout.set_signal(state, signal);
             if let (Some((at, value)), Some(number)) = (value, &self.entity(slot).signals[signal].number) {
                 let value = if number.is_whole { value.round() } else { value };
@@ -209,6 +206,10 @@ impl Simulator {
                 let total = reader.checked(at, sum + value, [sum, value]);
                 layout.set_sum(state, signal, total);
             }
+        };
+        match to {
+            Some(to) => reader.instance(to).into_iter().for_each(receive),
+            None => self.receivers.iter().for_each(|slot| receive(*slot)),
         }
     }
 

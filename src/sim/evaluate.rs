@@ -68,7 +68,7 @@ impl<'a> Reader<'a> {
     #[inline(never)]
     fn probe(&self, id: ExprId) -> Found {
         let Expr::Probe { mine, other, offset: [x, y], bound } = *self.at(id) else { return Found::Nothing };
-        self.sim.probe(self, (mine, other), (self.number(x), self.number(y)), bound)
+        self.sim.probe(self, (mine, other), [self.number(x), self.number(y)], bound)
     }
 
     /// The layout of the reader's own instance.

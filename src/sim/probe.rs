@@ -7,7 +7,6 @@ use super::actor::Actor;
 use super::collision::{Body, Collision};
 use super::contact::{Rect, TOLERANCE, sinks_in};
 use super::evaluate::Reader;
-use super::seam::{moved, solids};
 use super::simulator::Simulator;
 use super::state::leaf_at;
 
@@ -70,11 +69,11 @@ impl Tagged {
             bodies: collision.bodies.iter().enumerate().filter(has).map(|(at, _)| at).collect(),
             ..Tagged::default()
         };
-        for space in world.spaces.iter() {
+        for (space, solids) in world.spaces.iter().zip(&collision.solids) {
             let kinds = space.map.iter().flat_map(|map| &map.kinds);
             let tiles: Vec<bool> = kinds.map(|kind| kind.tags.iter().any(|t| TagSet::of(*t).meets(tag))).collect();
             out.tiles.push(if tiles.contains(&true) { tiles } else { Vec::new() });
-            out.rects.push(solids(space).iter().filter(|s| s.tags.meets(tag)).map(|s| s.bounds).collect());
+            out.rects.push(solids.iter().filter(|s| s.tags.meets(tag)).map(|s| s.bounds).collect());
         }
         out
     }
@@ -89,7 +88,7 @@ impl Simulator {
         &self,
         reader: &Reader<'_>,
         (mine, other): (TagId, TagId),
-        offset: (f64, f64),
+        offset: [f64; 2],
         bound: bool,
     ) -> Found {
         let tables = self.probes.as_ref().and_then(|probes| probes.tagged(mine).zip(probes.tagged(other)));
@@ -126,14 +125,14 @@ impl Simulator {
         // A collider may be longer than a period.
         let turns = |period: Option<Period>| if period.is_some() { -2..=2 } else { 0..=0 };
         let way = |turn: i32, period: Option<Period>| period.map_or(0.0, |period| f64::from(turn) * period.size());
-        turns(x).any(|across| turns(y).any(|up| holds(&moved(&rect, [way(across, x), way(up, y)]))))
+        turns(x).any(|across| turns(y).any(|up| holds(&rect.moved([way(across, x), way(up, y)]))))
     }
 
     /// A box with its lower-left corner between the borders of its space.
     fn brought_in(&self, rect: &Rect) -> Rect {
         let periods = self.collision.seams.as_ref().map_or([None; 2], |seams| seams.periods(rect.space as usize));
         let way = |axis: usize, low: f64| periods[axis].map_or(0.0, |period| period.wrapped(low) - low);
-        moved(rect, [way(0, rect.left), way(1, rect.bottom)])
+        rect.moved([way(0, rect.left), way(1, rect.bottom)])
     }
 
     /// The box of a collider in the state that is read; `None` if it is not there.

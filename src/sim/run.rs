@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::ir::{Program, SlotId, World, WorldId};
 
+use super::chance::Draws;
 use super::event::Event;
 use super::fault::Fault;
-use super::input::Input;
+use super::input::{Input, PlayerInput};
 use super::instance::Instance;
 use super::saved::State;
 use super::simulator::{Scratch, Simulator};
@@ -65,6 +66,8 @@ pub struct Run {
     scratch: Scratch,
     /// The state at the start of the last step: restored if a step fails, and compared to derive events.
     before: State,
+    /// The input of the last step with all that nature drew; unused in a world without chances.
+    drawn: Input,
     /// Draws what an input leaves open.
     seed: u64,
     /// Number of steps so far.
@@ -87,7 +90,9 @@ impl Run {
     pub fn of(sim: Arc<Simulator>) -> Result<Run, Fault> {
         let mut scratch = sim.scratch();
         let state = sim.initial(&mut scratch)?;
-        Ok(Run { before: state.clone(), state, scratch, sim, seed: 0, steps: 0 })
+        let players = vec![PlayerInput::default(); sim.world().players.len()];
+        let drawn = Input(players, Draws::with_capacity(sim.draws().len()));
+        Ok(Run { before: state.clone(), state, scratch, sim, drawn, seed: 0, steps: 0 })
     }
 
     /// Draws what inputs leave open from another seed; that of a new run is 0. The same seed and inputs give the same
@@ -116,8 +121,14 @@ impl Run {
     /// A [`Fault`] if the program breaks a rule of the language; the state is then unchanged.
     pub fn step(&mut self, input: &Input) -> Result<(), Fault> {
         self.before.clone_from(&self.state);
-        let drawn = self.sim.draw(self.seed, self.steps + 1, input);
-        let stepped = self.sim.step(&mut self.state, &drawn, &mut self.scratch);
+        let input = match self.sim.draws() {
+            [] => input,
+            _ => {
+                self.sim.draw_into(self.seed, self.steps + 1, input, &mut self.drawn);
+                &self.drawn
+            }
+        };
+        let stepped = self.sim.step(&mut self.state, input, &mut self.scratch);
         match stepped {
             Ok(()) => self.steps += 1,
             Err(_) => self.state.clone_from(&self.before),
@@ -139,7 +150,9 @@ impl Run {
         &self.state
     }
 
-    /// Continues from another state of the same world: one of this run, or one that was [loaded](Simulator::load).
+    /// Continues from another state of the same world: one of this run, or one that was [loaded](Simulator::load). In a
+    /// world with chances store [`Run::steps`] beside a state, and restore it with [`Run::set_steps`]: the same draws
+    /// follow then.
     pub fn set_state(&mut self, state: &State) {
         self.state.clone_from(state);
     }

@@ -36,11 +36,6 @@ impl Seams {
     }
 }
 
-/// A box of a body, moved by a way, px; its space and where it came from stay.
-pub(super) fn moved(rect: &Rect, [x, y]: [f64; 2]) -> Rect {
-    Rect { left: rect.left + x, right: rect.right + x, bottom: rect.bottom + y, top: rect.top + y, ..*rect }
-}
-
 /// The rectangles of a space, with those that are seen beyond a seam: one is repeated from two periods before its place
 /// between the borders to one after it. It is no longer than a period, and no collider reaches farther than half of it.
 pub(super) fn solids(space: &Space) -> Vec<Solid> {
@@ -140,7 +135,7 @@ impl Images {
                 (None, Some(y)) => [Some([0.0, y]), None, None, None],
                 (None, None) => [None; MAX_IMAGES],
             };
-            for image in ways.into_iter().flatten().map(|way| moved(rect, way)) {
+            for image in ways.into_iter().flatten().map(|way| rect.moved(way)) {
                 if image.left <= hull.right && image.bottom <= hull.top && hull.bottom <= image.top {
                     self.rects.push(image);
                     self.bodies.push(body as u32);

@@ -61,6 +61,7 @@ fn a_saved_state_goes_on_as_if_nothing_had_been() {
                 // A separate run from there.
                 let mut other = Run::of(Arc::clone(run.simulator())).unwrap();
                 other.set_state(&state);
+                other.set_steps(run.steps());
                 for _ in 0..10 {
                     if run.step(&input).is_err() {
                         break;

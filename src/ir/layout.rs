@@ -12,7 +12,7 @@ use super::{Entity, EntityId, IdVec, PlayerId, Slot, SlotId};
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Layout {
     /// The size of a state in bytes, a multiple of 8.
     pub size: usize,
@@ -24,7 +24,7 @@ pub struct Layout {
 
 /// Byte offsets of one slot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SlotLayout {
     /// The slot's block: from the first byte to before the second.
     pub block: (usize, usize),

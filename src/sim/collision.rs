@@ -141,14 +141,14 @@ const MOVED: u64 = 4;
 /// Working memory.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
-    boxes: Vec<Rect>,
-    sweep: Sweep,
+    pub boxes: Vec<Rect>,
+    pub sweep: Sweep,
     /// For each set of tags, the active bodies.
     active: Vec<Vec<u32>>,
     /// For each slot, its displacement by contacts.
-    displacements: Vec<Displacement>,
+    pub displacements: Vec<Displacement>,
     /// The boxes that are seen beyond a seam.
-    images: Images,
+    pub images: Images,
     /// Amount of work so far.
     pub work: u64,
 }
@@ -325,7 +325,7 @@ impl Simulator {
             self.bring_in(seams, state, &mut scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, sweep, active, displacements, images, work } = &mut scratch.collision;
+        let Scratch { boxes, sweep, active, displacements, work, .. } = &mut scratch.collision;
         *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
         for &slot in &self.collision.contact_readers {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
@@ -371,14 +371,12 @@ impl Simulator {
             }
         }
         if let Some(seams) = &self.collision.seams {
-            let compared = self.pairs_across((seams, images), boxes, sweep, meter, |pair, rects| {
-                self.pair(state, pair, rects, displacements);
-            });
-            *work = work.wrapping_add(compared as u64);
+            self.collide_across(seams, state, &mut scratch.collision, meter);
         }
         if meter.is_stopped() {
             return Ok(());
         }
+        let Scratch { boxes, displacements, .. } = &mut scratch.collision;
         for (at, body) in bodies.iter().enumerate() {
             let rect = &boxes[at];
             if body.meets && rect.active {
@@ -468,7 +466,7 @@ impl Simulator {
     }
 
     /// Handles two bodies of one space.
-    fn pair(
+    pub(super) fn pair(
         &self,
         state: &mut [u8],
         (i, j): (usize, usize),

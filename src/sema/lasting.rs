@@ -198,10 +198,8 @@ impl<'t> Search<'t> {
                         match (tested.or(declared), touched) {
                             (Some(entity), _) => mark(entity),
                             (None, Some(call)) => {
-                                let has = |body: &Body<'_>| {
-                                    let mut asked = call.arguments.iter().filter_map(tag);
-                                    asked.any(|tag| body.tags.contains(tag))
-                                };
+                                let other = other(call);
+                                let has = |body: &Body<'_>| other.is_none_or(|tag| body.tags.contains(tag));
                                 self.bodies.iter().filter(|(_, body)| has(body)).for_each(|(entity, _)| mark(entity));
                             }
                             (None, None) => self.bodies.keys().for_each(|entity| mark(entity)),
@@ -303,6 +301,15 @@ fn tag(argument: &Expr) -> Option<&str> {
         ExprKind::Text(text) => Some(text),
         _ => None,
     }
+}
+
+/// The tag of what a call of `touching` finds; a side may follow it, and a collider of one's own precede it.
+fn other(call: &ast::Call) -> Option<&str> {
+    let mut tags: Vec<&str> = call.arguments.iter().map(tag).collect::<Option<_>>()?;
+    if tags.len() > 1 && ["left", "right", "above", "below"].contains(&tags[tags.len() - 1]) {
+        tags.pop();
+    }
+    tags.pop()
 }
 
 /// The contact that a guard binds to a name where it holds.

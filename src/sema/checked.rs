@@ -31,6 +31,8 @@ pub struct Checked {
     pub worlds: IdVec<WorldId, World>,
     /// Tags of tiles that no map of the program uses.
     pub other_tags: BTreeSet<String>,
+    /// Tags of tiles that are declared breakable.
+    pub breakable: BTreeSet<TagId>,
     /// Whether a world takes its map from the command line.
     pub has_open_map: bool,
     /// Tags that levels and legends name.

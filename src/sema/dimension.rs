@@ -445,6 +445,10 @@ impl Solver<'_> {
         for side in &world.lengths {
             self.place(side, &length, &nobody);
         }
+        let time = Dim::known(TIME.0, TIME.1);
+        for term in &world.times {
+            self.place(term, &time, &nobody);
+        }
         for instance in world.instances.iter() {
             let id = instance.entity;
             let context = TermContext { me: Some(id), entity_of: &|_| id };

@@ -304,6 +304,7 @@ impl Checker<'_> {
                 let (subject, entity) = &**operands;
                 let (of, known) = self.reference(subject, scope)?;
                 let Some(name) = entity else {
+                    self.note_instance_of(of, subject);
                     return make(TermKind::IsNone(of), Type::Bool);
                 };
                 let Some(entity) = self.entity_named(name) else {
@@ -470,6 +471,7 @@ impl Checker<'_> {
         if let Some((subject, entity)) = self.referred(&name.text, scope) {
             self.record_subject_use(subject, name, scope);
             self.unprimed(path)?;
+            self.note_instance(subject, &name.text, span);
             self.allow(Some(()), span, scope, ReadLimit::State, "a reference")?;
             return make(TermKind::Instance(subject), Type::reference(entity));
         }

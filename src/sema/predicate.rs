@@ -91,6 +91,7 @@ impl Checker<'_> {
             return None;
         };
         self.record_subject_use(subject, first, scope);
+        self.note_instance(subject, &first.text, first.span);
         self.allow(Some(()), span, scope, ReadLimit::State, "another instance's variable")?;
         self.readable(subject, first, span, scope);
         let Some(entity) = entity else {

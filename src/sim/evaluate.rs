@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, ProbeId,
-    RefValue, SlotId, SlotLayout, Subject, arithmetic, call, compare,
+    RefValue, SlotId, SlotLayout, Subject, TileId, arithmetic, call, compare,
 };
 
 use super::actor::{Actor, Guard};
@@ -60,15 +60,28 @@ impl<'a> Reader<'a> {
     fn probed(&self, id: ProbeId) -> Option<SlotId> {
         match self.probe(*self.actor?.entity.probes.get(id)?) {
             Found::Instance(slot) => Some(slot),
-            Found::Nothing | Found::Static => None,
+            Found::Nothing | Found::Static | Found::Tile(_) => None,
+        }
+    }
+
+    /// The breakable tile that a value stands for, where it is no instance.
+    #[cold]
+    pub fn tile(&self, value: RefValue) -> Option<TileId> {
+        match value {
+            RefValue::Of(Subject::Touched(id)) => self.sim.tile_touched(self.state, self.actor?, id),
+            RefValue::Of(Subject::Probed(id)) => match self.probe(*self.actor?.entity.probes.get(id)?) {
+                Found::Tile(tile) => Some(tile),
+                Found::Nothing | Found::Static | Found::Instance(_) => None,
+            },
+            RefValue::None | RefValue::Of(Subject::Me | Subject::Slot(_) | Subject::Ref(_)) => None,
         }
     }
 
     /// What a probe finds.
     #[inline(never)]
     fn probe(&self, id: ExprId) -> Found {
-        let Expr::Probe { mine, other, offset: [x, y], bound } = *self.at(id) else { return Found::Nothing };
-        self.sim.probe(self, (mine, other), [self.number(x), self.number(y)], bound)
+        let Expr::Probe { mine, other, offset: [x, y], bound, tiles } = *self.at(id) else { return Found::Nothing };
+        self.sim.probe(self, (mine, other), [self.number(x), self.number(y)], (bound, tiles))
     }
 
     /// The layout of the reader's own instance.

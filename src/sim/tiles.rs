@@ -1,10 +1,12 @@
 //! Contacts between bodies and the tiles of a map.
 
+use std::cell::Cell;
 use std::ops::Range;
 
-use crate::ir::{Push, Side, SpaceId, TagId, TileMap, World};
+use crate::ir::{Id, Push, Side, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
+use super::breakable::Breakables;
 use super::collision::{Body, Encounter};
 use super::contact::{Displacement, Rect, meet};
 use super::seam::Around;
@@ -16,15 +18,25 @@ struct Tiles<'a> {
     map: &'a TileMap<TagId>,
     /// For each kind of tile.
     encounters: &'a [Option<Encounter>],
+    /// Those that can be broken, if there are any, and the index of the space.
+    breakables: Option<(&'a Breakables, usize)>,
+    /// As in [`super::collision::Scratch`].
+    lengths: &'a [Cell<f64>],
     /// Counts the rectangles that are searched for covered faces.
     meter: &'a Meter<'a>,
 }
 
 impl Tiles<'_> {
     /// Whether the tile of a cell, by its index, blocks.
-    fn blocks(self, at: usize) -> bool {
+    fn blocks(self, state: &[u8], at: usize) -> bool {
         let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
-        met.is_some_and(|w| w.meeting.response.push == Push::Block)
+        met.is_some_and(|w| w.meeting.response.push == Push::Block) && !self.is_gone(state, at)
+    }
+
+    /// Whether the tile of a cell is broken.
+    #[inline]
+    fn is_gone(self, state: &[u8], at: usize) -> bool {
+        self.breakables.is_some_and(|(breakables, space)| breakables.is_gone(state, space, at))
     }
 }
 
@@ -38,12 +50,13 @@ impl Simulator {
         state: &mut [u8],
         body: &Body,
         rect: &Rect,
-        displacement: &mut Displacement,
+        (displacement, lengths): (&mut Displacement, &[Cell<f64>]),
         meter: &Meter<'_>,
     ) -> usize {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
-        let tiles = Tiles { map, encounters, meter };
+        let breakables = self.breakables.as_deref().map(|breakables| (breakables, rect.space as usize));
+        let tiles = Tiles { map, encounters, breakables, lengths, meter };
         if self.collision.seams.is_some() && self.world().spaces[SpaceId(rect.space)].wraps() {
             return self.collide_tiles_around(state, (body, rect), tiles, displacement);
         }
@@ -63,11 +76,11 @@ impl Simulator {
                     let column = first + index;
                     let at = start + column;
                     // There are no obstacles outside the map.
-                    let blocks = |side: Side| match side {
-                        Side::Right => column > 0 && tiles.blocks(at - 1),
-                        Side::Left => column + 1 < map.columns && tiles.blocks(at + 1),
-                        Side::Above => row > 0 && tiles.blocks(at - map.columns),
-                        Side::Below => tiles.blocks(at + map.columns),
+                    let blocks = |state: &[u8], side: Side| match side {
+                        Side::Right => column > 0 && tiles.blocks(state, at - 1),
+                        Side::Left => column + 1 < map.columns && tiles.blocks(state, at + 1),
+                        Side::Above => row > 0 && tiles.blocks(state, at - map.columns),
+                        Side::Below => tiles.blocks(state, at + map.columns),
                     };
                     let cell = (column as i64, row as i64, at);
                     self.collide_tile(state, (body, rect), tiles, cell, blocks, with, displacement);
@@ -102,14 +115,14 @@ impl Simulator {
             for column in columns.clone() {
                 let Some(at) = around.cell(map, column, row) else { continue };
                 let Some(with) = &tiles.encounters[usize::from(map.cells[at])] else { continue };
-                let blocks = |side: Side| {
+                let blocks = |state: &[u8], side: Side| {
                     let (x, y) = match side {
                         Side::Right => (-1, 0),
                         Side::Left => (1, 0),
                         Side::Above => (0, -1),
                         Side::Below => (0, 1),
                     };
-                    around.cell(map, column + x, row + y).is_some_and(|at| tiles.blocks(at))
+                    around.cell(map, column + x, row + y).is_some_and(|at| tiles.blocks(state, at))
                 };
                 examined += 1;
                 self.collide_tile(state, (body, rect), tiles, (column, row, at), blocks, with, displacement);
@@ -128,10 +141,13 @@ impl Simulator {
         (body, rect): (&Body, &Rect),
         tiles: Tiles<'_>,
         (column, row, at): (i64, i64, usize),
-        blocks: impl Fn(Side) -> bool,
+        blocks: impl Fn(&[u8], Side) -> bool,
         with: &Encounter,
         displacement: &mut Displacement,
     ) {
+        if tiles.is_gone(state, at) {
+            return;
+        }
         let (width, height) = tiles.map.tile;
         let (left, bottom) = (column as f64 * width, row as f64 * height);
         let (right, top) = (left + width, bottom + height);
@@ -139,10 +155,11 @@ impl Simulator {
         // The faces turned to the body; a covered one never gives the side.
         let mut corner = None;
         let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            let mut covered = (blocks(overlap.x_side), blocks(overlap.y_side));
+            let mut covered = (blocks(state, overlap.x_side), blocks(state, overlap.y_side));
             if covered != (true, true) && self.is_beside_rect(rect.space as usize, at) {
                 let kind = &self.collision.kinds[body.kind];
-                covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
+                covered =
+                    self.covered(state, (kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
             }
             if covered == (true, true) && overlap.came_diagonally(rect.back) {
                 corner = Some([overlap.horizontal(), overlap.vertical()]);
@@ -152,6 +169,17 @@ impl Simulator {
         let Some(contact) = contact else { return };
         self.static_contact(state, body, with, contact, displacement);
         self.corner_contact(body, with, corner, displacement);
+        if with.more
+            && let Some(broken) = tiles.breakables.and_then(|(breakables, space)| breakables.tile(space, at))
+        {
+            let length = match contact.side {
+                Side::Left | Side::Right => rect.top.min(top) - rect.bottom.max(bottom),
+                Side::Above | Side::Below => rect.right.min(right) - rect.left.max(left),
+            };
+            let actor = &self.actors[body.slot.index()];
+            let mine = self.collision.kinds[body.kind].tags;
+            self.touch_tile(state, (actor, mine), (broken, with.tags), (contact.side, length), tiles.lengths);
+        }
     }
 }
 

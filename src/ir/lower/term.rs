@@ -108,7 +108,7 @@ impl Program {
                 let checked::Touching { of, mine, other, side, bound } = **touching;
                 let touch = bound.unwrap_or_else(|| {
                     let mine = mine.map_or(TagSet::ALL, TagSet::of);
-                    self.touch(context.entity(of), Touch { mine, other, side, bound: false }, term.span)
+                    self.touch(context.entity(of), Touch { mine, other, side, bound: false, tiles: false }, term.span)
                 });
                 Expr::Touching(of, touch)
             }
@@ -118,7 +118,7 @@ impl Program {
                     return *probe;
                 }
                 let offset = offset.each_ref().map(|offset| self.term(offset, context));
-                Expr::Probe { mine: *mine, other: *other, offset, bound: false }
+                Expr::Probe { mine: *mine, other: *other, offset, bound: false, tiles: false }
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),

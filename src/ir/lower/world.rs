@@ -82,8 +82,8 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
             timer_limits: program.timer_limits(instance.entity, is_fixed(instance).then_some(&instance.params), step),
         })
         .collect();
-    let layout = Layout::new(&slots, players.len(), &program.entities);
     let spaces = w.spaces.iter().zip(predicates.links.iter()).map(|(s, links)| space(s, links)).collect();
+    let layout = Layout::new(&slots, players.len(), &program.entities, &spaces);
     let collide = w
         .collide
         .iter()

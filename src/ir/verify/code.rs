@@ -137,8 +137,9 @@ impl<'p> Code<'p> {
                 exists(entity, &program.entities)
             }
             Expr::Alive(slot) => self.subject(owner, Subject::Slot(slot)),
-            Expr::Probe { mine, other, offset, .. } => {
+            Expr::Probe { mine, other, offset, bound, tiles } => {
                 me()?;
+                ensure(bound || !tiles, "a probe that keeps nothing keeps no tile")?;
                 exists(mine, &program.tags)?;
                 exists(other, &program.tags)?;
                 ensure(offset.iter().all(|id| self.is_own(*id)), "an offset reads more than its own instance")

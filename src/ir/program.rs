@@ -137,6 +137,8 @@ pub enum Expr {
     Alive(SlotId),
     /// The active leaf of the mode's group lies in the mode; false of none.
     InMode(Subject, ModeId),
+    /// The number of broken tiles with a tag.
+    Broken(TagId),
     /// The instance is in a space.
     InSpace(Subject, SpaceId),
     /// The Euclidean distance of the position to (`x`, `y`) is at most `radius`; px.

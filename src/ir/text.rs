@@ -393,6 +393,7 @@ fn expression<'a>(
             let path = entity(of).and_then(|e| e.modes.get(mode)).map_or_else(|| mode.to_string(), |m| m.path.clone());
             format!("{}in {path}", owner(of))
         }
+        Expr::Broken(tag) => format!("broken({})", p.tags[tag]),
         Expr::InSpace(of, space) => format!("{}in {space}", owner(of)),
         Expr::Near { of, x, y, radius } => {
             format!("near({}, ({}, {}), {})", owner(of).trim_end_matches('.'), sub(x), sub(y), sub(radius))

@@ -1,12 +1,14 @@
 //! Tiles that can be broken: how they are declared, and what may be done with a name that stands for one.
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
 use crate::ir::{self, Subject, TagId};
 use crate::source::Span;
-use crate::syntax::ast::{self, Expr};
+use crate::syntax::ast::{self, Expr, Name};
 
 use super::Checker;
-use super::checked::{Term, Type};
+use super::checked::{Term, TermKind, Type, World};
 use super::constant::ConstantContext;
 use super::expression::Scope;
 
@@ -46,6 +48,26 @@ impl Checker<'_> {
         });
         // A wrong time is already reported.
         Some(ir::Breakable { restore: Some(steps.unwrap_or(1)) })
+    }
+
+    /// The tags of the tiles of a world, by name.
+    pub(super) fn tags_of_tiles(&self, world: &World) -> BTreeMap<String, TagId> {
+        let kinds = world.spaces.iter().filter_map(|space| space.map.as_ref()).flat_map(|map| &map.kinds);
+        kinds.flat_map(|kind| &kind.tags).map(|tag| (self.checked.tags[*tag].text.to_string(), *tag)).collect()
+    }
+
+    /// `count(coin)`: how many tiles with a tag are there; `None` if the name is not the tag of tiles.
+    pub(super) fn count_of_tiles(&mut self, name: &Name, span: Span, scope: &Scope<'_>) -> Option<Term> {
+        let world = scope.world.filter(|_| self.entity_named(name).is_none())?;
+        let is_tag = match &world.tiles {
+            Some(tags) => tags.contains_key(&*name.text),
+            None => self.tags.contains_key(&name.text),
+        };
+        if !is_tag {
+            return None;
+        }
+        let tag = self.tag(name);
+        Some(Term { kind: TermKind::Tiles(tag), ty: Type::Int, span })
     }
 
     /// What `destroy` destroys: an instance, or a tile that is named by `as`.

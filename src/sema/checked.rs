@@ -190,6 +190,8 @@ pub enum TermKind {
     InSpace(Subject, SpaceId),
     /// The Euclidean distance of the position to a point is at most a radius: the point and the radius, px.
     Near(Box<(Subject, [Term; 3])>),
+    /// The number of tiles with a tag that are there.
+    Tiles(TagId),
     /// The number of truth values that hold: of the instances of a world, each asked whether it lives as well.
     #[allow(clippy::box_collection, reason = "terms are small, and there are many")]
     Count(Box<Vec<Term>>),

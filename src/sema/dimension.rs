@@ -419,6 +419,7 @@ impl Solver<'_> {
                 }
                 Some(Dim::known(0, 0))
             }
+            TermKind::Tiles(_) => Some(Dim::known(0, 0)),
             TermKind::Near(_) | TermKind::Probe(_) => {
                 for term in term.operands() {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);

@@ -305,7 +305,8 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         wrong: impl Fn(&mut Self, &'static str),
     ) -> Option<Term> {
-        const FORMS: &str = "`count(ENTITY)`, `count(ENTITY in MODE)` or `count(ENTITY touching TAG)`";
+        const FORMS: &str =
+            "`count(ENTITY)`, `count(ENTITY in MODE)`, `count(ENTITY touching TAG)` or `count(TAG)` of tiles";
         let [of] = arguments else {
             wrong(self, FORMS);
             return None;
@@ -319,6 +320,11 @@ impl Checker<'_> {
             wrong(self, FORMS);
             return None;
         };
+        if subject == of
+            && let Some(tiles) = self.count_of_tiles(&entity, span, scope)
+        {
+            return Some(tiles);
+        }
         let each = match &of.kind {
             ExprKind::In(operands) => self.each(&entity, span, scope, "`count`", |this, slot, entity| {
                 let names = this.mode_names(entity);

@@ -127,7 +127,8 @@ impl Checker<'_> {
         world.limits = self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;
-        let names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
+        let mut names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
+        names.tiles = world.open.is_none().then(|| self.tags_of_tiles(&world));
         self.world_conditions(syntax, &names, &Scope::predicate(&names));
         self.links(syntax, &names, &spaces, &mut world);
         self.players(syntax, &mut world);

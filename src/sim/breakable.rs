@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{BreakableTiles, Id, Side, SpaceId, TagSet, TileId, TileLayout, TouchId, World};
+use crate::ir::{BreakableTiles, Id, Side, SpaceId, TagId, TagSet, TileId, TileLayout, TouchId, World};
 
 use super::actor::Actor;
 use super::simulator::Simulator;
@@ -213,6 +213,14 @@ impl Simulator {
             Some(_) => None,
             None => actor.layout.touched_tile(state, id),
         }
+    }
+
+    /// The number of broken tiles with a tag.
+    #[cold]
+    pub(super) fn broken_with(&self, state: &[u8], tag: TagId) -> usize {
+        let Some(breakables) = &self.breakables else { return 0 };
+        let tagged = breakables.tiles.kinds.iter().filter(|kind| kind.tags.meets(TagSet::of(tag)));
+        tagged.map(|kind| breakables.count_broken(state, kind.tiles)).sum()
     }
 
     /// Whether a tile is broken in a state.

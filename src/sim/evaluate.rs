@@ -217,6 +217,7 @@ impl<'a> Reader<'a> {
             Expr::Chance(chance) => self.actor.map_or(0.0, |a| self.frames.read(a.draws + chance.index())),
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
+            Expr::Broken(tag) => self.sim.broken_with(self.state, tag) as f64,
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (self.number(a), self.number(b));
@@ -318,6 +319,7 @@ impl<'a> Reader<'a> {
             | Expr::Chance(_)
             | Expr::Timer(_)
             | Expr::Frames(_)
+            | Expr::Broken(_)
             | Expr::Negate(_)
             | Expr::Arithmetic(..)
             | Expr::Call(..) => self.number(id) != 0.0,

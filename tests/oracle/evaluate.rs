@@ -193,6 +193,19 @@ impl<'a> Code<'a> {
                 }
                 count
             }
+            TermKind::Tiles(tag) => {
+                let mut count = 0.0;
+                for (number, space) in self.oracle.world.spaces.iter().enumerate() {
+                    let map = space.map.iter();
+                    for (cell, kind) in
+                        map.flat_map(|map| map.cells.iter().map(|k| &map.kinds[usize::from(*k)])).enumerate()
+                    {
+                        let is_there = !self.state.broken.contains_key(&(number, cell));
+                        count += truth(is_there && kind.tags.contains(tag));
+                    }
+                }
+                count
+            }
             TermKind::Near(asked) => {
                 let (of, [x, y, radius]) = &**asked;
                 let (at, x, y, radius) =

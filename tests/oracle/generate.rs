@@ -41,6 +41,8 @@ struct Generator<'c> {
     has_signals: bool,
     /// Whether there are tiles that can be broken.
     has_bricks: bool,
+    /// Whether a space has a map.
+    has_map: bool,
     /// Which entities have a chance.
     lucky: [bool; 3],
     /// The current group.
@@ -62,6 +64,7 @@ pub fn program(choices: &[u16]) -> String {
         has_axis: false,
         has_signals: false,
         has_bricks: false,
+        has_map: false,
         lucky: [false; 3],
         group: 0,
         in_mode: false,
@@ -641,6 +644,7 @@ impl Generator<'_> {
     }
 
     fn map(&mut self, tile_foe: bool) -> (usize, usize) {
+        self.has_map = true;
         let (columns, rows) = (3 + self.draw.pick(4), 2 + self.draw.pick(3));
         self.line("        map t \"");
         for row in 0..rows {
@@ -678,6 +682,14 @@ impl Generator<'_> {
 
     fn question(&mut self, who: &str, role: Role, has_foe: bool, has_cellar: bool) -> String {
         let mut out = String::new();
+        if self.has_bricks && self.draw.chance(25) {
+            let (tag, sign) = (self.draw.one(&["brick", "wall"]), self.draw.one(&["<", "<=", "==", ">", "!="]));
+            // A map without bricks has no such tag.
+            return match self.has_map {
+                true => format!("count({tag}) {sign} {}", self.draw.pick(6)),
+                false => format!("{who}.x < {}", self.length()),
+            };
+        }
         let _ = match self.draw.pick(16) {
             0..=3 => {
                 let modes: Vec<String> =

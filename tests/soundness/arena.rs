@@ -504,6 +504,9 @@ impl Generator<'_> {
         let any = self.any_plan();
         let any_name = self.plans[any].name.clone();
         let tag = self.draw.one(&["wall", "cloud", "\"thin ice\"", "a", "b", "c"]).to_string();
+        if self.arena.has_bricks && self.arena.is_mapped() && self.draw.chance(25) {
+            return format!("count(brick) {op} {}", self.draw.pick(5));
+        }
         let (x, y) = self.spot();
         let radius = self.draw.one(&["4", "0.5", "16", "0"]);
         match self.draw.pick(19) {

@@ -94,6 +94,16 @@ impl<'a> Eye<'a> {
                 self.notes.note(if of == Subject::Me { "own discrete" } else { "discrete of another" });
                 Some(f64::from(slots[slot].discrete(self.state, discrete)))
             }
+            Expr::Broken(tag) => {
+                self.notes.note("broken tiles are counted");
+                let mut count = 0.0;
+                for (space, table) in self.world.spaces.pairs() {
+                    let Some(map) = &table.map else { continue };
+                    let has = |cell: &usize| map.kinds[usize::from(map.cells[*cell])].tags.contains(&tag);
+                    count += self.broken(space).iter().filter(|cell| has(cell)).count() as f64;
+                }
+                Some(count)
+            }
             Expr::Axis(axis) => {
                 let player = self.world.slots[self.me].player;
                 let value = player.map_or(0.0, |p| self.input.of(p).axes[axis.index() % MAX_AXES]);

@@ -731,6 +731,7 @@ const EVENTS: &[&str] = &[
     "a tile is back",
     "a tile is back around a body",
     "a place with a breakable tile",
+    "broken tiles are counted",
     "an instance begins",
     "an instance begins where a placed one is gone",
     "an instance ends",

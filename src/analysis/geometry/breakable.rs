@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use crate::ir::{Expr, Program, RefValue, Subject, TagSet, World};
+use crate::ir::{BreakableTiles, Expr, Program, RefValue, Subject, TagId, TagSet, World};
 
 use crate::analysis::geometry::seam;
 
@@ -43,4 +43,10 @@ fn broken(program: &Program, world: &World) -> TagSet {
         }
     }
     tags
+}
+
+/// The number of tiles with a tag that can be broken.
+pub(in crate::analysis) fn most_broken(world: &World, tag: TagId) -> f64 {
+    let kinds = BreakableTiles::of(&world.spaces).kinds.into_iter().filter(|kind| kind.tags.meets(TagSet::of(tag)));
+    kinds.map(|kind| f64::from(kind.tiles.1.0 - kind.tiles.0.0)).sum()
 }

@@ -7,8 +7,8 @@ use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use crate::ir::{
-    Arena, Arithmetic, Entity, EntityId, Expr, ExprId, Function, ModeId, Program, SlotId, Subject, TagSet, Timer,
-    TimerId, Touch, TouchId,
+    Arena, Arithmetic, Entity, EntityId, Expr, ExprId, Function, ModeId, Program, SlotId, Subject, TagId, TagSet,
+    Timer, TimerId, Touch, TouchId,
 };
 
 /// The context in which a term is lowered: it determines the ids of its contact queries.
@@ -19,6 +19,8 @@ pub(super) struct Context<'a> {
     pub slots: &'a dyn Fn(SlotId) -> EntityId,
     /// Whether the instance of a slot can never be destroyed.
     pub indestructible: &'a dyn Fn(SlotId) -> bool,
+    /// The number of tiles of the world with a tag, and whether any of them can be broken.
+    pub tiles: &'a dyn Fn(TagId) -> (usize, bool),
 }
 
 impl Context<'_> {
@@ -123,6 +125,15 @@ impl Program {
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
             TermKind::Count(of) => return self.count(of, context, term.span),
+            TermKind::Tiles(tag) => {
+                let (count, can_break) = (context.tiles)(*tag);
+                if !can_break {
+                    return self.push(Expr::Number(count as f64), term.span);
+                }
+                let all = self.push(Expr::Number(count as f64), term.span);
+                let broken = self.push(Expr::Broken(*tag), term.span);
+                Expr::Arithmetic(Arithmetic::Subtract, all, broken)
+            }
             TermKind::Near(touching) => {
                 let (of, numbers) = touching.as_ref();
                 let [x, y, radius] = numbers.each_ref().map(|number| self.term(number, context));

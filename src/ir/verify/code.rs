@@ -144,6 +144,10 @@ impl<'p> Code<'p> {
                 exists(other, &program.tags)?;
                 ensure(offset.iter().all(|id| self.is_own(*id)), "an offset reads more than its own instance")
             }
+            Expr::Broken(tag) => {
+                exists(tag, &program.tags)?;
+                ensure(matches!(owner, Owner::World(_)), "an entity knows no tiles")
+            }
             Expr::InSpace(subject, space) => {
                 self.subject(owner, subject)?;
                 match owner {
@@ -179,6 +183,7 @@ impl<'p> Code<'p> {
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)
+            | Expr::Broken(_)
             | Expr::InSpace(..)
             | Expr::Near { .. } => false,
             Expr::Number(_)

@@ -38,7 +38,7 @@ impl Checker<'_> {
             times.push(term);
             let (numerator, denominator) = self.step;
             // The first step after which at least that much time has passed; the tolerance is for rounded quotients.
-            let steps = (seconds * denominator as f64 / numerator as f64 - 1e-6).ceil();
+            let steps = (seconds * denominator as f64 / numerator as f64 - 1e-6).ceil() + 0.0;
             let fits = (1.0..=f64::from(u16::MAX)).contains(&steps);
             if !fits {
                 let (what, range) = (format!("{steps} steps"), format!("1 to {} steps", u16::MAX));
@@ -104,11 +104,11 @@ impl Checker<'_> {
                 let tag = &self.checked.tags[tag].text;
                 self.diagnostics.report(TypeMismatch {
                     at,
-                    found: format!("`{name}`, which may be a tile: there are breakable ones with the tag `{tag}`"),
+                    found: format!("`{name}`, which may be a breakable tile"),
                     expected: "an instance".into(),
                     help: Some(format!(
-                        "of a tile there is only `destroy {name}`; after `{name} is ENTITY` in the same `and` it is an \
-                         instance"
+                        "tiles tagged `{tag}` are breakable, and of a tile there is only `destroy {name}`; after `{name} is \
+                         ENTITY` in the same `and` it is an instance"
                     )),
                 });
             }

@@ -325,6 +325,12 @@ impl Checker<'_> {
         {
             return Some(tiles);
         }
+        if let (true, None, Some(world)) = (subject == of, self.entities.get(&entity.text), scope.world) {
+            let tags = world.tiles.iter().flatten().map(|(tag, _)| Candidate::from(tag.as_str()));
+            let fact = unknown("entity or tag of tiles", &entity.text, entity.span, self.entities.names().chain(tags));
+            self.report_unknown(fact);
+            return None;
+        }
         let each = match &of.kind {
             ExprKind::In(operands) => self.each(&entity, span, scope, "`count`", |this, slot, entity| {
                 let names = this.mode_names(entity);

@@ -16,6 +16,7 @@
 //! | [`watch`] | progress and interruption of long work |
 //! | [`parallel`] | tasks on several threads |
 //! | [`tabular`] | tables in plain text and as CSV |
+//! | [`json`] | JSON as text |
 //! | [`diagnostic`] | findings about a program: facts, messages, pages that explain them, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`format`] | the canonical layout of a text, comments kept |
@@ -52,6 +53,7 @@ pub mod graph;
 #[cfg(feature = "cli")]
 pub mod import;
 pub mod ir;
+pub mod json;
 pub mod level;
 pub mod lint;
 #[cfg(feature = "lsp")]

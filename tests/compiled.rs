@@ -184,7 +184,7 @@ fn what_is_written_is_as_the_schema_says() {
     if std::env::var_os("UPDATE").is_some() {
         std::fs::write(path, &text).unwrap();
     }
-    assert!(std::fs::read_to_string(path).unwrap() == text, "`hypedc ir --schema > {path}` writes it anew");
+    assert!(std::fs::read_to_string(path).unwrap() == text, "{path} is another; `UPDATE=1` writes it");
     let validator = jsonschema::draft202012::new(&schema).unwrap();
     for (name, program, sources) in programs() {
         let value: Value = serde_json::from_str(&written(&program, &sources)).unwrap();

@@ -24,6 +24,7 @@ mod reach;
 mod refusal;
 mod replay;
 mod report;
+#[cfg(feature = "schemas")]
 mod schemas;
 mod sim;
 mod time;
@@ -35,6 +36,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Arguments, Command};
+#[cfg(feature = "schemas")]
 pub use schemas::schemas;
 
 /// The exit status of a subcommand.

@@ -11,6 +11,7 @@ use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
 use crate::ir::{Program, World, WorldId};
+use crate::json::{self, Layout};
 use crate::source::{ReadError, SourceMap};
 
 use super::disk::{Disk, bytes, compiled};
@@ -46,7 +47,7 @@ pub(super) struct Loaded {
 
 /// A hash of a program's meaning, in hexadecimal digits.
 pub(super) fn program_sha256(program: &Program) -> String {
-    let json = serde_json::to_vec(&program.meaning()).unwrap_or_default();
+    let json = json::bytes(&program.meaning(), Layout::Compact).unwrap_or_default();
     sha256(&json)
 }
 

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::reach::Conclusion;
@@ -11,7 +10,8 @@ use crate::reach::Conclusion;
 use super::row::{Key, Row};
 
 /// Whether a change is for the better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
     /// The verdict is the expected one now, and was not.
@@ -23,7 +23,8 @@ pub enum Change {
 }
 
 /// A verdict that is another one.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Flip {
     /// What it is about.
     #[serde(flatten)]
@@ -37,7 +38,8 @@ pub struct Flip {
 }
 
 /// A path whose length is another one.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct LengthChange {
     /// What it is about.
     #[serde(flatten)]
@@ -49,7 +51,8 @@ pub struct LengthChange {
 }
 
 /// A question that only one of the two runs asked.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Unpaired {
     /// What it is about.
     #[serde(flatten)]
@@ -67,7 +70,8 @@ impl Unpaired {
 }
 
 /// What changed since an older run.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// Verdicts that are others, in the order of the new rows.
     pub flips: Vec<Flip>,

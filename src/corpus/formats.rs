@@ -1,5 +1,6 @@
 //! Rows as CSV (RFC 4180), and as a table for people.
 
+use crate::json::{self, Layout};
 use crate::reach::Conclusion;
 use crate::tabular::{Cell, Column, Table, csv};
 
@@ -113,7 +114,7 @@ pub fn csv_line(row: &Row) -> String {
         s.metric.clone(),
         s.hold.map_or(String::new(), |(low, high)| format!("{low}..{high}")),
         text(&s.restart),
-        serde_json::to_string(s).unwrap_or_default(),
+        json::text(s, Layout::Compact).unwrap_or_default(),
         number(s.nodes_limit),
         format!("{:.6}", t.seconds),
         t.cpu_seconds.map_or(String::new(), |seconds| format!("{seconds:.6}")),

@@ -9,6 +9,7 @@ use std::fmt;
 use serde::Deserialize;
 
 use super::row::{Key, ROW_VERSION, Row};
+use crate::json::{self, Layout};
 
 /// The prefix of every line.
 const LINE_PREFIX: &str = "{\"row\":";
@@ -27,7 +28,7 @@ impl StoredRow {
     ///
     /// If it cannot be serialised, for example a number that is not finite.
     pub fn new(row: Row) -> Result<StoredRow, serde_json::Error> {
-        let line = serde_json::to_string(&row)?;
+        let line = json::text(&row, Layout::Compact)?;
         Ok(StoredRow { row, line })
     }
 }

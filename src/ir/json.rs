@@ -8,6 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Invalid, Program, Spans, verify};
+use crate::json::{self, Layout};
 use crate::source::{SourceMap, Texts};
 
 /// The version of the format; other versions are rejected.
@@ -15,7 +16,7 @@ pub const JSON_VERSION: u32 = 1;
 
 /// The contents of a file.
 #[derive(Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct ProgramFile<'p> {
     hypedc_program: u32,
     program: &'p Program,
@@ -70,12 +71,12 @@ impl Program {
     /// Those of the writer.
     pub fn write_json(&self, sources: &SourceMap, out: &mut dyn Write) -> io::Result<()> {
         let written = ProgramFile { hypedc_program: JSON_VERSION, program: self, sources: sources.texts() };
-        serde_json::to_writer_pretty(&mut *out, &written)?;
+        json::write(&written, Layout::Indented, out)?;
         writeln!(out)
     }
 
     /// What [`Program::write_json`] writes, as a schema (JSON Schema, draft 2020-12).
-    #[cfg(feature = "cli")]
+    #[cfg(feature = "schemas")]
     pub fn json_schema() -> serde_json::Value {
         use schemars::transform::{RecursiveTransform, Transform};
 

@@ -12,7 +12,7 @@ use super::{BreakableTiles, Entity, EntityId, IdVec, PlayerId, Slot, SlotId, Spa
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Layout {
     /// The size of a state in bytes, a multiple of 8.
     pub size: usize,
@@ -28,7 +28,7 @@ pub struct Layout {
 /// Byte offsets of the tiles that can be broken, in the order of their numbers: those that come back first, then by
 /// space, kind and cell.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TileLayout {
     /// Bits from the lowest: whether each tile is broken.
     pub broken: usize,
@@ -42,7 +42,7 @@ pub struct TileLayout {
 
 /// Byte offsets of one slot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SlotLayout {
     /// The slot's block: from the first byte to before the second.
     pub block: (usize, usize),

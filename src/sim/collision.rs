@@ -141,14 +141,14 @@ const MOVED: u64 = 4;
 /// Working memory.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
-    boxes: Vec<Rect>,
-    sweep: Sweep,
+    pub boxes: Vec<Rect>,
+    pub sweep: Sweep,
     /// For each set of tags, the active bodies.
     active: Vec<Vec<u32>>,
     /// For each slot, its displacement by contacts.
-    displacements: Vec<Displacement>,
+    pub displacements: Vec<Displacement>,
     /// The boxes that are seen beyond a seam.
-    images: Images,
+    pub images: Images,
     /// For each contact query that can name a tile, the length of the edge along which it touches the one it keeps, px.
     lengths: Vec<f64>,
     /// Amount of work so far.
@@ -328,8 +328,7 @@ impl Simulator {
             self.bring_in(seams, state, &mut scratch.start);
         }
         self.place_boxes(state, scratch)?;
-        let Scratch { boxes, sweep, active, displacements, images, lengths, work } = &mut scratch.collision;
-        let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
+        let Scratch { boxes, sweep, active, displacements, work, .. } = &mut scratch.collision;
         *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
         for &slot in &self.collision.contact_readers {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
@@ -375,14 +374,13 @@ impl Simulator {
             }
         }
         if let Some(seams) = &self.collision.seams {
-            let compared = self.pairs_across((seams, images), boxes, sweep, meter, |pair, rects| {
-                self.pair(state, pair, rects, displacements);
-            });
-            *work = work.wrapping_add(compared as u64);
+            self.collide_across(seams, state, &mut scratch.collision, meter);
         }
         if meter.is_stopped() {
             return Ok(());
         }
+        let Scratch { boxes, displacements, lengths, .. } = &mut scratch.collision;
+        let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
         for (at, body) in bodies.iter().enumerate() {
             let rect = &boxes[at];
             if body.meets && rect.active {
@@ -472,7 +470,7 @@ impl Simulator {
     }
 
     /// Handles two bodies of one space.
-    fn pair(
+    pub(super) fn pair(
         &self,
         state: &mut [u8],
         (i, j): (usize, usize),

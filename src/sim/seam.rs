@@ -7,7 +7,7 @@ use crate::ir::{Id, Period, Solid, Space, SpaceId, TagId, TileMap, VarId, World}
 use crate::watch::Meter;
 
 use super::broad_phase::{BroadPhase, PAIRS_PER_BOX, Sweep};
-use super::collision::Collision;
+use super::collision::{Collision, Scratch};
 use super::contact::Rect;
 use super::simulator::Simulator;
 
@@ -158,6 +158,7 @@ impl Collision {
 
 impl Simulator {
     /// Brings all positions between the borders of their spaces, and where the instances began as far along with them.
+    #[cold]
     pub(super) fn bring_in(&self, seams: &Seams, state: &mut [u8], start: &mut [(f64, f64)]) {
         for (at, actor) in self.actors.iter().enumerate() {
             let layout = &actor.layout;
@@ -179,23 +180,29 @@ impl Simulator {
         }
     }
 
-    /// Calls `visit` with each pair of bodies that are near each other across a seam, the lower index first. Returns the
-    /// number of comparisons.
-    pub(super) fn pairs_across(
+    /// Handles each pair of bodies that are near each other across a seam, the lower index first.
+    #[cold]
+    pub(super) fn collide_across(&self, seams: &Seams, state: &mut [u8], scratch: &mut Scratch, meter: &Meter<'_>) {
+        let Scratch { boxes, sweep, displacements, images, work, .. } = scratch;
+        images.collect(seams, boxes);
+        let visit = |pair, rects: [&Rect; 2]| self.pair(state, pair, rects, displacements);
+        *work = work.wrapping_add(self.pairs_across(images, boxes.len(), sweep, meter, visit) as u64);
+    }
+
+    /// Calls `visit` with each pair of a box and the image of another body's; there are `count` boxes. Returns the number
+    /// of comparisons.
+    fn pairs_across(
         &self,
-        (seams, images): (&Seams, &mut Images),
-        boxes: &[Rect],
+        Images { rects, bodies: owners }: &Images,
+        count: usize,
         sweep: &mut Sweep,
         meter: &Meter<'_>,
         mut visit: impl FnMut((usize, usize), [&Rect; 2]),
     ) -> usize {
-        images.collect(seams, boxes);
-        let Images { rects, bodies: owners } = images;
-        let (count, seen) = (boxes.len(), owners.len());
+        let seen = owners.len();
         if seen == 0 {
             return count;
         }
-        // A box, and the image of another body's.
         let mut pair = |i: usize, image: usize| {
             let j = owners[image - count] as usize;
             if !self.collision.can_meet(i, j) {

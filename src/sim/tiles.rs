@@ -24,6 +24,16 @@ struct Tiles<'a> {
     lengths: &'a [Cell<f64>],
     /// Counts the rectangles that are searched for covered faces.
     meter: &'a Meter<'a>,
+    /// The cells beyond the seams of a space that wraps.
+    around: Option<&'a Around>,
+}
+
+/// A tile: where it is seen, and the index of its cell.
+#[derive(Clone, Copy)]
+struct Tile {
+    column: i64,
+    row: i64,
+    at: usize,
 }
 
 impl Tiles<'_> {
@@ -37,6 +47,34 @@ impl Tiles<'_> {
     #[inline]
     fn is_gone(self, state: &[u8], at: usize) -> bool {
         self.breakables.is_some_and(|(breakables, space)| breakables.is_gone(state, space, at))
+    }
+
+    /// Whether the neighbour blocks that covers the face of a tile which a side of a body touches.
+    #[inline]
+    fn covers(self, state: &[u8], tile: Tile, side: Side) -> bool {
+        let Tile { column, row, at } = tile;
+        if let Some(around) = self.around {
+            return self.covers_around(state, around, tile, side);
+        }
+        // There are no obstacles outside the map.
+        match side {
+            Side::Right => column > 0 && self.blocks(state, at - 1),
+            Side::Left => column + 1 < self.map.columns as i64 && self.blocks(state, at + 1),
+            Side::Above => row > 0 && self.blocks(state, at - self.map.columns),
+            Side::Below => self.blocks(state, at + self.map.columns),
+        }
+    }
+
+    /// As [`Tiles::covers`] in a space that wraps.
+    #[cold]
+    fn covers_around(self, state: &[u8], around: &Around, Tile { column, row, .. }: Tile, side: Side) -> bool {
+        let (x, y) = match side {
+            Side::Right => (-1, 0),
+            Side::Left => (1, 0),
+            Side::Above => (0, -1),
+            Side::Below => (0, 1),
+        };
+        around.cell(self.map, column + x, row + y).is_some_and(|at| self.blocks(state, at))
     }
 }
 
@@ -56,7 +94,7 @@ impl Simulator {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
         let breakables = self.breakables.as_deref().map(|breakables| (breakables, rect.space as usize));
-        let tiles = Tiles { map, encounters, breakables, lengths, meter };
+        let tiles = Tiles { map, encounters, breakables, lengths, meter, around: None };
         if self.collision.seams.is_some() && self.world().spaces[SpaceId(rect.space)].wraps() {
             return self.collide_tiles_around(state, (body, rect), tiles, displacement);
         }
@@ -73,17 +111,8 @@ impl Simulator {
             let Some(cells) = map.cells.get(start + first..start + after) else { continue };
             for (index, &kind) in cells.iter().enumerate() {
                 if let Some(with) = &encounters[usize::from(kind)] {
-                    let column = first + index;
-                    let at = start + column;
-                    // There are no obstacles outside the map.
-                    let blocks = |state: &[u8], side: Side| match side {
-                        Side::Right => column > 0 && tiles.blocks(state, at - 1),
-                        Side::Left => column + 1 < map.columns && tiles.blocks(state, at + 1),
-                        Side::Above => row > 0 && tiles.blocks(state, at - map.columns),
-                        Side::Below => tiles.blocks(state, at + map.columns),
-                    };
-                    let cell = (column as i64, row as i64, at);
-                    self.collide_tile(state, (body, rect), tiles, cell, blocks, with, displacement);
+                    let cell = Tile { column: (first + index) as i64, row: row as i64, at: start + first + index };
+                    self.collide_tile(state, (body, rect), tiles, cell, with, displacement);
                 }
             }
         }
@@ -100,7 +129,8 @@ impl Simulator {
         displacement: &mut Displacement,
     ) -> usize {
         let map = tiles.map;
-        let around = Around::new(&self.world().spaces[SpaceId(rect.space)], map);
+        let around = &Around::new(&self.world().spaces[SpaceId(rect.space)], map);
+        let tiles = Tiles { around: Some(around), ..tiles };
         // A cell more at both ends makes up for rounding; the cast saturates.
         let range = |low: f64, high: f64, size: f64, within: &Range<i64>| {
             let first = ((low / size).floor() as i64).saturating_sub(1).max(within.start);
@@ -115,48 +145,36 @@ impl Simulator {
             for column in columns.clone() {
                 let Some(at) = around.cell(map, column, row) else { continue };
                 let Some(with) = &tiles.encounters[usize::from(map.cells[at])] else { continue };
-                let blocks = |state: &[u8], side: Side| {
-                    let (x, y) = match side {
-                        Side::Right => (-1, 0),
-                        Side::Left => (1, 0),
-                        Side::Above => (0, -1),
-                        Side::Below => (0, 1),
-                    };
-                    around.cell(map, column + x, row + y).is_some_and(|at| tiles.blocks(state, at))
-                };
                 examined += 1;
-                self.collide_tile(state, (body, rect), tiles, (column, row, at), blocks, with, displacement);
+                self.collide_tile(state, (body, rect), tiles, Tile { column, row, at }, with, displacement);
             }
         }
         examined
     }
 
-    /// Handles a body and the tile that is seen at a column and a row, with the index of its cell; `blocks` tells of the
-    /// neighbour that covers the face which a side of the body touches.
+    /// Handles a body and a tile.
     #[inline(never)]
-    #[allow(clippy::too_many_arguments, reason = "all of a contact")]
     fn collide_tile(
         &self,
         state: &mut [u8],
         (body, rect): (&Body, &Rect),
         tiles: Tiles<'_>,
-        (column, row, at): (i64, i64, usize),
-        blocks: impl Fn(&[u8], Side) -> bool,
+        cell: Tile,
         with: &Encounter,
         displacement: &mut Displacement,
     ) {
-        if tiles.is_gone(state, at) {
+        if tiles.is_gone(state, cell.at) {
             return;
         }
         let (width, height) = tiles.map.tile;
-        let (left, bottom) = (column as f64 * width, row as f64 * height);
+        let (left, bottom) = (cell.column as f64 * width, cell.row as f64 * height);
         let (right, top) = (left + width, bottom + height);
         let tile = Rect { left, right, bottom, top, active: true, ..Rect::default() };
         // The faces turned to the body; a covered one never gives the side.
         let mut corner = None;
         let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            let mut covered = (blocks(state, overlap.x_side), blocks(state, overlap.y_side));
-            if covered != (true, true) && self.is_beside_rect(rect.space as usize, at) {
+            let mut covered = (tiles.covers(state, cell, overlap.x_side), tiles.covers(state, cell, overlap.y_side));
+            if covered != (true, true) && self.is_beside_rect(rect.space as usize, cell.at) {
                 let kind = &self.collision.kinds[body.kind];
                 covered =
                     self.covered(state, (kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
@@ -170,7 +188,7 @@ impl Simulator {
         self.static_contact(state, body, with, contact, displacement);
         self.corner_contact(body, with, corner, displacement);
         if with.more
-            && let Some(broken) = tiles.breakables.and_then(|(breakables, space)| breakables.tile(space, at))
+            && let Some(broken) = tiles.breakables.and_then(|(breakables, space)| breakables.tile(space, cell.at))
         {
             let length = match contact.side {
                 Side::Left | Side::Right => rect.top.min(top) - rect.bottom.max(bottom),

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::ir::{Domain, SlotId};
+use crate::json::{self, Layout};
 use crate::tabular::csv;
 
 use super::input::Input;
@@ -30,7 +31,7 @@ pub enum TraceFormat {
 
 /// What a run depends on: with the files it can be run again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TraceHeader {
     /// [`TRACE_VERSION`].
     pub trace: u32,
@@ -89,32 +90,32 @@ pub struct TraceLines<'s> {
 
 /// A state in a trace.
 #[derive(serde::Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Line<'a> {
     /// The step; 0 is the initial state.
     step: u64,
     /// What is held in this step, and what nature drew of what the step has read.
     inputs: Vec<String>,
     /// The instances that exist, by name.
-    #[cfg_attr(feature = "cli", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]
+    #[cfg_attr(feature = "schemas", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]
     instances: Instances<'a>,
     /// The tiles that are broken, by space, then row, then column.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "cli", schemars(default))]
+    #[cfg_attr(feature = "schemas", schemars(default))]
     broken: Vec<BrokenTile<'a>>,
     /// The goals that hold.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "cli", schemars(default))]
+    #[cfg_attr(feature = "schemas", schemars(default))]
     goals: Vec<&'a str>,
     /// Each `never` that holds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "cli", schemars(default))]
+    #[cfg_attr(feature = "schemas", schemars(default))]
     never: Vec<&'a str>,
 }
 
 /// A broken tile in a state; column 0 is the leftmost, row 0 the lowest.
 #[derive(serde::Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct BrokenTile<'a> {
     /// The space.
     space: &'a str,
@@ -126,7 +127,7 @@ struct BrokenTile<'a> {
 
 /// An instance in a state. Beside these fields it has one for each variable: a continuous variable is its position,
 /// velocity and acceleration, a discrete one its value, a reference a name or null.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schemas")]
 #[derive(schemars::JsonSchema)]
 #[allow(dead_code, reason = "it describes what `Instance` writes")]
 struct InstanceSchema {
@@ -143,7 +144,7 @@ struct InstanceSchema {
 }
 
 /// A value of a variable.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schemas")]
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
 #[allow(dead_code, reason = "it describes what `Instance` writes")]
@@ -159,7 +160,7 @@ enum VariableSchema {
 }
 
 /// The schemas of the lines of a trace as JSON lines: the header, and a state.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schemas")]
 pub(crate) fn trace_schemas() -> [schemars::Schema; 2] {
     [schemars::schema_for!(TraceHeader), schemars::schema_for!(Line<'_>)]
 }
@@ -174,7 +175,7 @@ impl<'s> TraceLines<'s> {
     ///
     /// Infallible: writes to memory.
     pub fn header(&self, header: &TraceHeader) -> io::Result<String> {
-        let json = serde_json::to_string(header)?;
+        let json = json::text(header, Layout::Compact)?;
         Ok(match self.format {
             TraceFormat::Jsonl => format!("{json}\n"),
             TraceFormat::Csv => format!("{COMMENT}{json}\n{}\n", csv::line(self.columns())),
@@ -200,7 +201,7 @@ impl<'s> TraceLines<'s> {
             goals: world.goals.iter().filter(|g| is_running && holds(g.holds)).map(|g| g.name.as_str()).collect(),
             never: world.nevers.iter().filter(|n| holds(n.holds)).map(|n| n.name.as_str()).collect(),
         };
-        Ok(format!("{}\n", serde_json::to_string(&line)?))
+        Ok(format!("{}\n", json::text(&line, Layout::Compact)?))
     }
 
     /// The broken tiles of a state.

@@ -31,20 +31,13 @@ use crate::source::FileId;
 
 pub use expand::{MAX_EXPANDED_MEMBERS, expand};
 pub(crate) use foreign::NO_POWER;
-use grammar::Grammar;
-pub(crate) use grammar::Rule;
+use hyped_grammar::Grammar;
+// Only this stage and the formatter use it.
+pub(crate) use hyped_grammar::Rule;
 pub use import::load;
 pub use keyword::{Keyword, keywords, opening_keywords};
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 pub use word::{is_name, is_reserved};
-
-/// The parser that pest derives from the grammar; only this stage and the formatter use its `Rule`.
-#[allow(missing_docs, reason = "derived code")]
-mod grammar {
-    #[derive(pest_derive::Parser)]
-    #[grammar = "../grammar/hyped.pest"]
-    pub struct Grammar;
-}
 
 /// The pairs of a text, including parts that match no rule; `None` if [`parse`] has to change the text first.
 pub(crate) fn pairs(file: FileId, text: &str) -> Option<Pairs<'_, Rule>> {

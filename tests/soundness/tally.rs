@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+use hyped_grammar::{Grammar, Rule};
 use hypedc::ir::{
     Actions, By, ColliderId, Domain, Drive, Expr, Id, Origin, Place, Push, RefValue, Release, Shape, SlotId, SpaceId,
     Subject, TagSet, VarId,
@@ -12,11 +13,6 @@ use pest::Parser;
 use pest::iterators::Pairs;
 
 use super::eye::{Eye, Move, Notes, by_name};
-
-/// The grammar itself.
-#[derive(pest_derive::Parser)]
-#[grammar = "../grammar/hyped.pest"]
-struct Grammar;
 
 /// Counts by name.
 #[derive(Default)]

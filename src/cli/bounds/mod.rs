@@ -6,11 +6,11 @@ mod table;
 use std::io::{self, Write};
 use std::ops::AddAssign;
 
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
 use crate::ir::{Bounds, DiscreteId, Entity, Id, Program, SlotId, TimerId, VarId, World, WorldId};
+use crate::json::{self, Layout};
 use crate::reach::query::{is_bounded, proof_reasons};
 use crate::reach::{Conclusion, Problem, Proof};
 use crate::sim::Simulator;
@@ -26,7 +26,8 @@ const RESULT_VERSION: u32 = 1;
 
 /// How many numbers a state has: three for each continuous variable (it and two derivatives), one for each discrete
 /// variable and each timer, one for each group of modes that has several.
-#[derive(Debug, Clone, Copy, Default, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct Dimensions {
     /// As the program is written.
     pub all: usize,
@@ -120,7 +121,7 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
             borders: borders(&of),
             goals: goals.iter().map(|(name, why)| goal_result(name, why.as_deref())).collect(),
         };
-        serde_json::to_writer_pretty(&mut out, &result)?;
+        json::write(&result, Layout::Indented, &mut out)?;
         writeln!(out)?;
         return Ok(Exit::Yes);
     }
@@ -162,7 +163,8 @@ fn borders(of: &WorldBounds<'_>) -> Vec<Border> {
 }
 
 /// What each part of a world can be.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct BoundsResult<'a> {
     /// The version of this format.
     version: u32,
@@ -183,7 +185,8 @@ struct BoundsResult<'a> {
 }
 
 /// A place for an instance.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct SlotResult<'a> {
     /// Its name.
     slot: &'a str,
@@ -200,7 +203,8 @@ struct SlotResult<'a> {
 }
 
 /// A combination of modes, and what the instance can be in it.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Combination<'a> {
     /// The innermost mode of each group.
     modes: Vec<&'a str>,
@@ -218,7 +222,8 @@ struct Combination<'a> {
 type Intervals = Vec<[Option<f64>; 2]>;
 
 /// What a continuous variable can be, as closed intervals; null for an end that is infinite.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct VariableResult<'a> {
     name: &'a str,
     value: Intervals,
@@ -227,21 +232,24 @@ struct VariableResult<'a> {
 }
 
 /// What a discrete variable can be, as closed intervals.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct DiscreteResult<'a> {
     name: &'a str,
     value: Intervals,
 }
 
 /// How long a mode can have been active, in steps.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct TimerResult<'a> {
     mode: &'a str,
     steps: Intervals,
 }
 
 /// What is known of a goal.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct GoalResult<'a> {
     goal: &'a str,
     /// `not ruled out` or `proven-unreachable`.
@@ -251,12 +259,14 @@ struct GoalResult<'a> {
 }
 
 /// The schema of the JSON result.
+#[cfg(feature = "schemas")]
 pub(super) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(BoundsResult<'_>)
 }
 
 /// Where runs end because of a player in a space.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Border {
     player: String,
     space: String,
@@ -265,7 +275,8 @@ struct Border {
 }
 
 /// Below and beside these numbers, px, a run ends.
-#[derive(Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct End {
     left: f64,
     right: f64,

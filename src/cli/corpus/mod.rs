@@ -14,7 +14,6 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::compile::{Compilation, compile_constrained};
@@ -22,6 +21,7 @@ use crate::corpus::{Comparison, Key, Record, Row, StoredRow, junit, summary, tab
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Code, Severity};
+use crate::json::{self, Layout};
 use crate::parallel::{self, TaskContext};
 use crate::source::SourceMap;
 
@@ -283,7 +283,8 @@ struct Presentation<'t> {
 }
 
 /// The answers about many levels.
-#[derive(Serialize, JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct JsonResult<'t> {
     /// The version of this format.
     version: u32,
@@ -302,6 +303,7 @@ struct JsonResult<'t> {
 }
 
 /// The schema of the answers about many levels.
+#[cfg(feature = "schemas")]
 pub(super) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(JsonResult<'_>)
 }
@@ -315,7 +317,7 @@ impl Presentation<'_> {
             let (is_stopped, changes) = (self.is_stopped, self.comparison);
             let (version, hypedc) = (RESULT_VERSION, env!("CARGO_PKG_VERSION"));
             let result = JsonResult { version, hypedc, file, world, stopped: is_stopped, rows, changes };
-            serde_json::to_writer_pretty(&mut out, &result)?;
+            json::write(&result, Layout::Indented, &mut out)?;
             return writeln!(out);
         }
         writeln!(out, "{file}, world {world}, seed {}", self.args.seed)?;

@@ -19,6 +19,7 @@ use crate::diagnostic::similar;
 use crate::experiment::paper::{PLANNERS, Test};
 use crate::experiment::{CSV_HEADER, Clock, Design, Question, Report, Run, RunError, conduct, csv_line};
 use crate::ir::GoalId;
+use crate::json::{self, Layout};
 use crate::reach::{Limits, Planner, Problem, Proof};
 use crate::sim::Simulator;
 
@@ -295,7 +296,7 @@ impl Lines<'_> {
 }
 
 fn write_json(out: &mut impl Write, report: &Report<'_>) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *out, &report.json())?;
+    json::write(&report.json(), Layout::Indented, out)?;
     writeln!(out)?;
     out.flush()
 }

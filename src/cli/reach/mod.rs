@@ -8,6 +8,7 @@ pub(in crate::cli) mod refuted;
 mod result;
 mod text;
 
+#[cfg(feature = "schemas")]
 pub(in crate::cli) use result::json_schema;
 
 use std::io::{self, Write};
@@ -15,6 +16,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use crate::ir::{World, WorldId};
+use crate::json::{self, Layout};
 use crate::reach::Target;
 use crate::reach::query::{Phase, Session, Supervisor};
 use crate::watch::Watch;
@@ -109,7 +111,7 @@ fn answer_all(
         ResultFormat::Human => write!(io::stdout(), "{}", result.tail())?,
         ResultFormat::Json => {
             let mut out = io::stdout().lock();
-            serde_json::to_writer_pretty(&mut out, &result)?;
+            json::write(&result, Layout::Indented, &mut out)?;
             writeln!(out)?;
         }
     }

@@ -17,7 +17,8 @@ use crate::cli::report::program_sha256;
 const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct Refuted {
     pub instance: String,
     pub modes: Vec<String>,
@@ -31,7 +32,8 @@ pub(in crate::cli) struct Refuted {
 }
 
 /// A number that is as it never is.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct BeyondResult {
     pub variable: String,
     pub value: String,

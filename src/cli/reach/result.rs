@@ -18,7 +18,8 @@ use crate::cli::report::program_sha256;
 const RESULT_VERSION: u32 = 6;
 
 /// All answers of one run of the command.
-#[derive(Serialize, schemars::JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct RunResult {
     /// The version of this format.
     version: u32,
@@ -42,7 +43,8 @@ pub(in crate::cli) struct RunResult {
 }
 
 /// One answer, with what depends on the machine and what is large.
-#[derive(Serialize, schemars::JsonSchema)]
+#[derive(Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct GoalResult {
     #[serde(flatten)]
     answer: Answer,
@@ -55,6 +57,7 @@ struct GoalResult {
 }
 
 /// The schema of the result.
+#[cfg(feature = "schemas")]
 pub(in crate::cli) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(RunResult)
 }

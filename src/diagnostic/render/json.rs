@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{Found, distinct};
 use crate::diagnostic::{Diagnostic, Label, Severity};
+use crate::json::{Layout, text};
 use crate::source::{SourceMap, Span};
 
 /// The version of the object. It grows when a field changes its meaning or goes away.
@@ -11,7 +12,7 @@ const VERSION: u32 = 1;
 
 /// The findings of a run of `hypedc check`.
 #[derive(Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Run {
     /// The version of this format.
     version: u32,
@@ -25,7 +26,7 @@ struct Run {
 
 /// A program that was checked.
 #[derive(Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Program {
     /// Its path.
     file: String,
@@ -36,7 +37,7 @@ struct Program {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Finding {
     /// The code, such as `E0302`.
     code: &'static str,
@@ -57,7 +58,7 @@ struct Finding {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Place {
     #[serde(flatten)]
     range: Range,
@@ -65,7 +66,7 @@ struct Place {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Range {
     file: String,
     bytes: Bytes,
@@ -74,28 +75,28 @@ struct Range {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Bytes {
     start: u32,
     end: u32,
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Position {
     line: usize,
     column: usize,
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Mending {
     title: String,
     edits: Vec<Edit>,
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 struct Edit {
     #[serde(flatten)]
     range: Range,
@@ -117,11 +118,11 @@ pub fn json(run: &[Found<'_>]) -> Result<String, serde_json::Error> {
         programs: run.iter().map(program).collect(),
         findings: distinct(run, |found, d| finding(found.sources, d)),
     };
-    Ok(serde_json::to_string_pretty(&object)? + "\n")
+    Ok(text(&object, Layout::Indented)? + "\n")
 }
 
 /// The schema of what [`json`] renders.
-#[cfg(feature = "cli")]
+#[cfg(feature = "schemas")]
 pub(crate) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(Run)
 }

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::{Found, distinct, page};
 use crate::diagnostic::page::Page;
 use crate::diagnostic::{Code, Diagnostic, Fix, Label, Severity};
+use crate::json::{Layout, text};
 use crate::source::{FileId, SourceMap, Span};
 
 const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
@@ -23,7 +24,7 @@ pub fn sarif(run: &[Found<'_>], folder: &Path) -> Result<String, serde_json::Err
     let driver = json!({ "name": "hypedc", "semanticVersion": env!("CARGO_PKG_VERSION"), "rules": rules });
     let run = json!({ "tool": { "driver": driver }, "columnKind": "utf16CodeUnits", "results": results });
     let log = json!({ "$schema": SCHEMA, "version": "2.1.0", "runs": [run] });
-    Ok(serde_json::to_string_pretty(&log)? + "\n")
+    Ok(text(&log, Layout::Indented)? + "\n")
 }
 
 fn rule(code: Code) -> Value {

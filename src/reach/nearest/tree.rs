@@ -263,18 +263,14 @@ fn build(points: &Linear, axes: &[usize], places: &[u32]) -> Option<Arc<dyn Stat
         let tree = ImmutableKdTree::<f32, K>::new_from_source(places, coordinate, |place, _| place as u32);
         tree.ok().map(|tree| Arc::new(tree) as Arc<dyn StaticTree>)
     }
-    // A level that splits a constant 0 is wasted, so most dimensions are compiled.
+    // A level that splits a constant 0 is wasted; but each compiled dimension takes seconds to build.
     let of = match axes.len() {
-        0 | 1 => of::<1>,
-        2 => of::<2>,
+        0..=2 => of::<2>,
         3 => of::<3>,
         4 => of::<4>,
-        5 => of::<5>,
-        6 => of::<6>,
-        7 => of::<7>,
-        8 => of::<8>,
-        9 | 10 => of::<10>,
-        11 | 12 => of::<12>,
+        5 | 6 => of::<6>,
+        7 | 8 => of::<8>,
+        9..=12 => of::<12>,
         _ => return None,
     };
     of(points, axes, places)

@@ -146,7 +146,7 @@ fn crowd(c: &mut Criterion) {
         let sim = Simulator::new(&program, WorldId(0));
         let mut scratch = sim.scratch();
         let mut state = sim.initial(&mut scratch).unwrap();
-        let nothing = hypedc::sim::Input::nothing(0);
+        let nothing = Input::nothing(0);
         c.bench_function(&format!("step/crowd/{instances} instances"), |b| {
             b.iter(|| sim.step(&mut state, &nothing, &mut scratch).unwrap());
         });

@@ -14,7 +14,7 @@ use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::ir::{GoalId, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
-use hypedc::sim::{Simulator, parse_script};
+use hypedc::sim::{Input, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use rand::{RngExt, SeedableRng};
@@ -74,6 +74,54 @@ fn level(c: &mut Criterion) {
     }
 }
 
+/// A step and a copy of the state of a world with few and with many breakable tiles: only bytes are added.
+fn bricks(c: &mut Criterion) {
+    for (columns, rows) in [(10, 5), (200, 100)] {
+        let row = |tile: &str| format!("#{}#\n", tile.repeat(columns));
+        let map = row("#") + &row("b").repeat(rows) + &row(".").repeat(20) + &row("#");
+        let middle = 4 * columns;
+        let program = program(compile_text(&format!(
+            "entity Ball {{
+                 collider ball: rect(0, 0, 6, 6)
+                 mode flying {{ when touching(ball, brick) as hit {{ destroy hit }} }}
+             }}
+             world Wall {{
+                 collide ball with wall, brick: block, bounce 1
+                 tiles wall 8 x 8 {{ '.': empty; '#': wall; 'b': brick breakable }}
+                 space main {{
+                     map wall \"
+{map}
+                     \"
+                     place ball: Ball at ({middle}, 20) {{ x' = 140; y' = 90 }}
+                 }}
+                 goal cleared: count(brick) == 0
+             }}"
+        )));
+        let sim = Simulator::new(&program, WorldId(0));
+        let mut scratch = sim.scratch();
+        let start = sim.initial(&mut scratch).unwrap();
+        let mut state = start.clone();
+        let mut group = c.benchmark_group(format!("bricks/{}, {} bytes", columns * rows, start.len()));
+        group.bench_function("600 steps", |b| {
+            b.iter(|| {
+                state.copy_from_slice(&start);
+                for _ in 0..600 {
+                    sim.step(&mut state, &Input::default(), &mut scratch).unwrap();
+                }
+                black_box(&state);
+            });
+        });
+        group.bench_function("a copy", |b| {
+            b.iter(|| {
+                state.copy_from_slice(black_box(&start));
+                black_box(&state);
+            });
+        });
+        group.bench_function("the goal", |b| b.iter(|| sim.goal(black_box(&state), GoalId(0)).unwrap()));
+        group.finish();
+    }
+}
+
 /// A step of worlds with many live instances that fall, collide and push each other.
 fn crowd(c: &mut Criterion) {
     for instances in [10, 100, 1_000] {
@@ -98,7 +146,7 @@ fn crowd(c: &mut Criterion) {
         let sim = Simulator::new(&program, WorldId(0));
         let mut scratch = sim.scratch();
         let mut state = sim.initial(&mut scratch).unwrap();
-        let nothing = hypedc::sim::Input::nothing(0);
+        let nothing = Input::nothing(0);
         c.bench_function(&format!("step/crowd/{instances} instances"), |b| {
             b.iter(|| sim.step(&mut state, &nothing, &mut scratch).unwrap());
         });
@@ -124,6 +172,6 @@ fn grow(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = step, level, crowd, grow
+    targets = step, level, bricks, crowd, grow
 }
 criterion_main!(benches);

@@ -51,6 +51,7 @@ pub fn play(out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
                 Event::Goal(goal) => format!("goal {}", world.goals[goal].name),
                 Event::Never(never) => format!("never {}", world.nevers[never].name),
                 Event::Entered(..) | Event::Touched(..) | Event::Parted(..) => continue,
+                Event::Broken(_) | Event::Restored(_) => continue,
             };
             writeln!(out, "frame {frame:3}, mario at ({x:6.1}, {y:5.1}): {what}")?;
         }

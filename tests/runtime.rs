@@ -5,6 +5,7 @@
 mod support;
 
 mod allocation;
+mod breakable;
 mod conformance;
 mod embedding;
 mod examples;

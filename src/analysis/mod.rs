@@ -78,8 +78,8 @@ use domain::configuration::Overall;
 use domain::received::Received;
 use fixpoint::Analysis;
 use fixpoint::counter_bounds::{self, Limits};
+use geometry::breakable;
 use geometry::scene::Scene;
-use geometry::seam;
 use geometry::surroundings::Surroundings;
 use step::evaluate::{Joined, Phase, Pinned, Reader};
 use step::forbidden::Forbidden;
@@ -191,8 +191,7 @@ fn within_limits(
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
-    let unrolled = seam::unrolled(world);
-    let world = unrolled.as_ref().unwrap_or(world);
+    let world = &*breakable::prepared(program, world);
     let forbidden = Forbidden { program, world, predicates };
     let scene = Scene::new(program, world, watch);
     let mut analysis = Analysis::new(scene, forbidden, limits, *effort, watch);
@@ -207,8 +206,7 @@ impl ConfigurationSpace {
     /// much to examine.
     #[must_use]
     pub fn by_place(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
-        let unrolled = seam::unrolled(&program.worlds[world]);
-        let table = unrolled.as_ref().unwrap_or(&program.worlds[world]);
+        let table = &*breakable::prepared(program, &program.worlds[world]);
         let mut scene = Scene::new(program, table, watch);
         if scene.refine() {
             let forbidden = Forbidden { program, world: table, predicates };

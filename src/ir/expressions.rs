@@ -98,6 +98,7 @@ impl Expr {
             | Expr::Button(..)
             | Expr::Touching(..)
             | Expr::InMode(..)
+            | Expr::Broken(_)
             | Expr::InSpace(..) => Vec::new(),
         }
     }

@@ -75,6 +75,7 @@ ids! {
     LeafId "leaf" "A mode without modes inside, of one entity, in preorder."
     TouchId "touch" "A distinct contact query of one entity: one bit of the state."
     ProbeId "probe" "A probe of one entity that names the instance it finds."
+    TileId "tile" "A tile of one world that can be broken: one bit of the state."
     TimerId "timer" "A mode whose time is read, of one entity: one counter of the state."
 }
 

@@ -1,6 +1,6 @@
 //! The layout of a state: one block of bytes, of a size known when the world is compiled.
 //!
-//! The players' buttons come first, then one block for each slot. Within a block the widest fields come first, so that
+//! The players' buttons come first, then one block for each slot, then the tiles that can be broken. Within a block the widest fields come first, so that
 //! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, bits of contacts
 //! and signals.
 
@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Entity, EntityId, IdVec, PlayerId, Slot, SlotId};
+use super::{BreakableTiles, Entity, EntityId, IdVec, PlayerId, Slot, SlotId, Space, SpaceId};
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -20,6 +20,24 @@ pub struct Layout {
     pub slots: IdVec<SlotId, SlotLayout>,
     /// Of each player: the buttons of the last step, a `u64`.
     pub players: IdVec<PlayerId, usize>,
+    /// Of the tiles that can be broken, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<TileLayout>,
+}
+
+/// Byte offsets of the tiles that can be broken, in the order of their numbers: those that come back first, then by
+/// space, kind and cell.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+pub struct TileLayout {
+    /// Bits from the lowest: whether each tile is broken.
+    pub broken: usize,
+    /// How many tiles there are.
+    pub count: usize,
+    /// A `u16` for each tile that comes back: the steps until it does, 0 while it is there.
+    pub restoring: usize,
+    /// How many tiles come back.
+    pub restored: usize,
 }
 
 /// Byte offsets of one slot.
@@ -39,6 +57,9 @@ pub struct SlotLayout {
     pub discretes: usize,
     /// A `u32` for each timer: the steps since its mode was entered, 0 while the mode is not active.
     pub timers: usize,
+    /// A `u32` for each contact query that is bound, if any of the entity can name a tile: 0, or 1 plus the tile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<usize>,
     /// A `u16` for each group: the active leaf.
     pub leaves: usize,
     /// A `u16` for each envelope: 0, or 1 plus the number of the direction in which its peak was reached.
@@ -61,8 +82,13 @@ pub struct SlotLayout {
 }
 
 impl Layout {
-    /// Lays out the state of a world with these slots and a number of players.
-    pub(super) fn new(slots: &IdVec<SlotId, Slot>, players: usize, entities: &IdVec<EntityId, Arc<Entity>>) -> Layout {
+    /// Lays out the state of a world with these slots, a number of players and these spaces.
+    pub(super) fn new(
+        slots: &IdVec<SlotId, Slot>,
+        players: usize,
+        entities: &IdVec<EntityId, Arc<Entity>>,
+        spaces: &IdVec<SpaceId, Space>,
+    ) -> Layout {
         let mut at = 0;
         let mut take = |bytes: usize| {
             let start = at;
@@ -79,6 +105,8 @@ impl Layout {
                 let params = (!slot.is_fixed).then(|| take(8 * e.params.len()));
                 let sums = take(8 * e.numbered_signals());
                 let (discretes, timers) = (take(4 * e.discretes.len()), take(4 * e.timers.len()));
+                let keeps_tiles = e.touches.iter().any(|touch| touch.tiles);
+                let tiles = keeps_tiles.then(|| take(4 * e.bound));
                 let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
                 let peaks = take(if peaked { 2 * e.envelopes.len() } else { 0 });
                 let (leaves, refs, bound) = (take(2 * e.groups.len()), take(2 * e.refs.len()), take(2 * e.bound));
@@ -94,6 +122,7 @@ impl Layout {
                     sums,
                     discretes,
                     timers,
+                    tiles,
                     leaves,
                     peaks,
                     refs,
@@ -106,6 +135,13 @@ impl Layout {
                 }
             })
             .collect();
-        Layout { size: at, slots, players }
+        let BreakableTiles { places, restored, .. } = BreakableTiles::of(spaces);
+        let tiles = (!places.is_empty()).then(|| TileLayout {
+            broken: take(8 * places.len().div_ceil(64)),
+            count: places.len(),
+            restoring: take((2 * restored).next_multiple_of(8)),
+            restored,
+        });
+        Layout { size: at, slots, players, tiles }
     }
 }

@@ -7,6 +7,7 @@
 mod actions;
 mod arena;
 mod arithmetic;
+mod breakable;
 mod expressions;
 mod ids;
 mod inputs;
@@ -31,14 +32,15 @@ mod world_tables;
 pub use actions::{Actions, RefUpdate, RefValue, Send, Signal, Spawn, Sum, Update};
 pub use arena::Arena;
 pub use arithmetic::{arithmetic, call, compare};
+pub use breakable::{Breakable, BreakableKind, BreakableTiles};
 pub use ids::{
     AxisId, ButtonId, ChanceId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId,
     GroupId, Id, IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, ProbeId, RefId, SendId, SignalId, SlotId,
-    SpaceId, SpawnId, TagId, TimerId, TouchId, VarId, WorldId,
+    SpaceId, SpawnId, TagId, TileId, TimerId, TouchId, VarId, WorldId,
 };
 pub use inputs::{Chance, Inputs};
 pub use json::{JSON_VERSION, NotAProgram};
-pub use layout::{Layout, SlotLayout};
+pub use layout::{Layout, SlotLayout, TileLayout};
 pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_CHANCES, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_INT, MAX_MODES, MAX_TAGS};
 pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};

@@ -117,8 +117,11 @@ pub enum Expr {
         other: TagId,
         /// Along x and y, px; it reads only the instance itself.
         offset: [ExprId; 2],
-        /// Only instances count.
+        /// Only instances count, and perhaps tiles that can be broken.
         bound: bool,
+        /// Tiles that can be broken count as well, where only instances do.
+        #[serde(default, skip_serializing_if = "is_false")]
+        tiles: bool,
     },
     /// A mode of another group of the instance is entered (true) or left in this step.
     Joint(ModeId, bool),
@@ -134,6 +137,8 @@ pub enum Expr {
     Alive(SlotId),
     /// The active leaf of the mode's group lies in the mode; false of none.
     InMode(Subject, ModeId),
+    /// The number of broken tiles with a tag.
+    Broken(TagId),
     /// The instance is in a space.
     InSpace(Subject, SpaceId),
     /// The Euclidean distance of the position to (`x`, `y`) is at most `radius`; px.
@@ -218,6 +223,11 @@ pub struct Entity {
     pub inputs: Inputs,
     /// Its code in the arena.
     pub code: IdRange<ExprId>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn no_chances(chances: &RareVec<ChanceId, Chance>) -> bool {
@@ -549,6 +559,9 @@ pub struct Touch {
     pub side: Option<Side>,
     /// Only instances count, and the lowest one is kept.
     pub bound: bool,
+    /// Tiles that can be broken count as well, and the one touched along the longest edge is kept.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub tiles: bool,
 }
 
 /// A mode whose time is read.

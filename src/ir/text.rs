@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{
     Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Origin, Place, Press,
-    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Side, Subject, TagSet, World,
+    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Side, Subject, TagSet, TileLayout, World,
 };
 
 /// Formats a program.
@@ -75,7 +75,7 @@ impl EntityText<'_> {
         }
         for (id, t) in e.touches.pairs() {
             let side = t.side.map_or(String::new(), |s| format!(", {}", side(s)));
-            let kept = if t.bound { " as an instance" } else { "" };
+            let kept = kept(t.bound, t.tiles);
             writeln!(out, "  {id} ({}, {}{side}){kept}", tags(p, t.mine), tags(p, TagSet::of(t.other)))?;
         }
         for (id, probe) in e.probes.pairs() {
@@ -385,14 +385,15 @@ fn expression<'a>(
             format!("{word}({})", me().buttons[button])
         }
         Expr::Touching(of, touch) => format!("{}{touch}", owner(of)),
-        Expr::Probe { mine, other, offset: [x, y], bound } => {
-            let kept = if bound { " as an instance" } else { "" };
+        Expr::Probe { mine, other, offset: [x, y], bound, tiles } => {
+            let kept = kept(bound, tiles);
             format!("touching({} at ({}, {}), {}){kept}", p.tags[mine], sub(x), sub(y), p.tags[other])
         }
         Expr::InMode(of, mode) => {
             let path = entity(of).and_then(|e| e.modes.get(mode)).map_or_else(|| mode.to_string(), |m| m.path.clone());
             format!("{}in {path}", owner(of))
         }
+        Expr::Broken(tag) => format!("broken({})", p.tags[tag]),
         Expr::InSpace(of, space) => format!("{}in {space}", owner(of)),
         Expr::Near { of, x, y, radius } => {
             format!("near({}, ({}, {}), {})", owner(of).trim_end_matches('.'), sub(x), sub(y), sub(radius))
@@ -463,7 +464,11 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
         };
         writeln!(out, "\n    {} x {} tiles of {} x {} px", map.columns, map.rows, map.tile.0, map.tile.1)?;
         for kind in map.kinds.iter().filter(|k| !k.tags.is_empty()) {
-            writeln!(out, "    {} {}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
+            let breakable = kind.breakable.map_or(String::new(), |breakable| match breakable.restore {
+                Some(steps) => format!(" breakable, restored after {steps} steps"),
+                None => " breakable".into(),
+            });
+            writeln!(out, "    {} {}{breakable}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
         }
         for row in (0..map.rows).rev() {
             let cells = map.cells.iter().skip(row * map.columns).take(map.columns);
@@ -508,6 +513,19 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
     for (id, never) in w.nevers.pairs() {
         writeln!(out, "  {id} {}: {}", never.name, world_expression(p, w, never.holds))?;
     }
+    if let Some(tiles) = &w.layout.tiles {
+        let TileLayout { broken, count, restoring, restored } = tiles;
+        writeln!(out, "  {count} breakable tiles at {broken}, {restored} of them restored by {restoring}")?;
+    }
     writeln!(out, "  a state is {} bytes", w.layout.size)?;
     writeln!(out)
+}
+
+/// What a contact query or a probe keeps.
+fn kept(bound: bool, tiles: bool) -> &'static str {
+    match (bound, tiles) {
+        (true, true) => " as an instance or a tile",
+        (true, false) => " as an instance",
+        (false, _) => "",
+    }
 }

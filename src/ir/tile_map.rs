@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Breakable;
+
 /// A grid of tiles. Column 0 is the leftmost, row 0 the lowest; its lower-left corner is the space's origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
@@ -26,6 +28,9 @@ pub struct TileKind<T> {
     pub symbol: char,
     /// Its tags.
     pub tags: Vec<T>,
+    /// Whether tiles of the kind can be broken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub breakable: Option<Breakable>,
 }
 
 impl<T> TileMap<T> {

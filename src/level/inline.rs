@@ -1,6 +1,6 @@
 //! Maps from rows of characters: written between quotes in a `.hyped` file, or the lines of a text file.
 
-use crate::ir::{TileKind, TileMap};
+use crate::ir::{Breakable, TileKind, TileMap};
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,14 @@ use crate::source::{FileId, Span};
 use super::MAX_TILES;
 
 /// A tile of the tile set of a map.
+#[derive(Clone)]
 pub struct InlineTile<T> {
     /// Its character.
     pub symbol: char,
     /// Its tags.
     pub tags: Vec<T>,
+    /// Whether it can be broken.
+    pub breakable: Option<Breakable>,
 }
 
 /// The rows of a text file: its lines, trimmed at both ends, without empty ones at the end. Returns none for a binary
@@ -119,6 +122,7 @@ pub fn inline_map<T: Clone>(
         let known = known.keys().chain(others).copied().collect();
         diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1, known });
     }
-    let kinds = tiles.iter().map(|t| TileKind { symbol: t.symbol, tags: t.tags.clone() }).collect();
+    let kind = |t: &InlineTile<T>| TileKind { symbol: t.symbol, tags: t.tags.clone(), breakable: t.breakable };
+    let kinds = tiles.iter().map(kind).collect();
     fits.then_some(TileMap { columns, rows: rows.len(), tile, kinds, cells })
 }

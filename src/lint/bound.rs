@@ -1,5 +1,5 @@
-//! Lints of bound contact queries and probes, `touching(…) as e`: they hold only of instances, so a tag that only tiles and
-//! `rect`s have never gives one.
+//! Lints of bound contact queries and probes, `touching(…) as e`: they hold only of instances and of
+//! tiles that can be broken, so a tag that only other tiles and `rect`s have never gives one.
 
 use std::collections::BTreeSet;
 
@@ -31,7 +31,9 @@ pub(super) fn bound(checked: &Checked, root: FileId, found: &mut Diagnostics) {
         let mut seen: BTreeSet<TagId> = BTreeSet::new();
         let contacts = entity.bound.iter().map(|query| (query.other, query.span, Some(query)));
         let asked = contacts.chain(entity.probes.iter().map(|probe| (probe.other, probe.span, None)));
-        for (other, at, query) in asked.filter(|(other, ..)| !of_instances.contains(other)) {
+        for (other, at, query) in
+            asked.filter(|(other, ..)| !of_instances.contains(other) && !checked.breakable.contains(other))
+        {
             let tag = &checked.tags[other].text;
             let is_static = of_statics.contains(&other) || checked.other_tags.contains(&**tag);
             // An imported entity may ask for more than this program has.

@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagSet, VarId};
+use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId};
 use crate::watch::Meter;
 
 use super::around::images;
@@ -272,7 +272,9 @@ impl Grid {
             mark(solid.bounds);
         }
         let Some(map) = &space.map else { return };
-        let is_wall: Vec<bool> = kinds.iter().map(|kind| blocks(tags, *kind)).collect();
+        // A tile that can be broken is no wall: the distance is too short rather than too long.
+        let is_wall = |(tags_of, kind): (&TagSet, &TileKind<TagId>)| kind.breakable.is_none() && blocks(tags, *tags_of);
+        let is_wall: Vec<bool> = kinds.iter().zip(&map.kinds).map(is_wall).collect();
         for (cell, _) in map.cells.iter().enumerate().filter(|(_, kind)| is_wall[usize::from(**kind)]) {
             mark(Bounds::new(map.rectangle(cell)));
         }

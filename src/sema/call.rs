@@ -109,6 +109,7 @@ impl Checker<'_> {
                 };
                 self.allow(scope.entity, span, scope, ReadLimit::State, "`lost`")?;
                 let (subject, _) = self.reference(reference, scope)?;
+                self.note_instance_of(subject, reference);
                 return make(TermKind::IsNone(subject), Type::Bool);
             }
             "pressed" | "held" | "released" => {

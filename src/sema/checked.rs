@@ -31,6 +31,8 @@ pub struct Checked {
     pub worlds: IdVec<WorldId, World>,
     /// Tags of tiles that no map of the program uses.
     pub other_tags: BTreeSet<String>,
+    /// Tags of tiles that are declared breakable.
+    pub breakable: BTreeSet<TagId>,
     /// Whether a world takes its map from the command line.
     pub has_open_map: bool,
     /// Tags that levels and legends name.
@@ -188,6 +190,8 @@ pub enum TermKind {
     InSpace(Subject, SpaceId),
     /// The Euclidean distance of the position to a point is at most a radius: the point and the radius, px.
     Near(Box<(Subject, [Term; 3])>),
+    /// The number of tiles with a tag that are there.
+    Tiles(TagId),
     /// The number of truth values that hold: of the instances of a world, each asked whether it lives as well.
     #[allow(clippy::box_collection, reason = "terms are small, and there are many")]
     Count(Box<Vec<Term>>),

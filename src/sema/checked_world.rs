@@ -20,6 +20,8 @@ pub struct World {
     pub step: (u64, u64),
     /// Terms that must be lengths: the sides of tiles.
     pub lengths: Vec<Term>,
+    /// Terms that must be times: after how long broken tiles are back.
+    pub times: Vec<Term>,
     /// `collide` lines in source order.
     pub collide: Vec<CollideRule>,
     /// Its spaces.

@@ -97,6 +97,7 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Consta
         | TermKind::InMode(..)
         | TermKind::InSpace(..)
         | TermKind::Near(_)
+        | TermKind::Tiles(_)
         | TermKind::Count(_) => return Err(unknown),
     };
     if result.is_finite() { Ok(result) } else { Err(ConstantError::NotFinite(term.span)) }

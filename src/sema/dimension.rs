@@ -419,6 +419,7 @@ impl Solver<'_> {
                 }
                 Some(Dim::known(0, 0))
             }
+            TermKind::Tiles(_) => Some(Dim::known(0, 0)),
             TermKind::Near(_) | TermKind::Probe(_) => {
                 for term in term.operands() {
                     self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
@@ -444,6 +445,10 @@ impl Solver<'_> {
         let nobody = TermContext { me: None, entity_of: &|_| EntityId(0) };
         for side in &world.lengths {
             self.place(side, &length, &nobody);
+        }
+        let time = Dim::known(TIME.0, TIME.1);
+        for term in &world.times {
+            self.place(term, &time, &nobody);
         }
         for instance in world.instances.iter() {
             let id = instance.entity;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownObject, UnknownSetting, as_tag};
 use crate::diagnostic::similar;
-use crate::ir::{EntityId, Id, Origin, SlotId, SpaceId, TagId, TileKind, TileMap};
+use crate::ir::{Breakable, EntityId, Id, Origin, SlotId, SpaceId, TagId, TileKind, TileMap};
 use crate::level::{EditorLevel, Format, Meaning, Object, Value, read_level};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
@@ -31,7 +31,16 @@ impl Checker<'_> {
     ) {
         let mut kinds: Kinds<'_> = BTreeMap::new();
         let mut declared: Table<()> = Table::new("name of the level");
+        // A cell can have several names; it can be broken if one of them says so.
+        let mut breakable: BTreeMap<&str, Breakable> = BTreeMap::new();
         for kind in block {
+            let tags: Vec<TagId> = match &kind.breakable {
+                Some(_) => kind.tags.iter().filter(|tag| tag.text != "empty").map(|tag| self.carried(tag)).collect(),
+                None => Vec::new(),
+            };
+            if let Some(how) = self.breakable(kind.breakable.as_deref(), &tags, &mut world.times) {
+                breakable.entry(&kind.name.text).or_insert(how);
+            }
             self.checked.other_tags.extend(kind.tags.iter().map(|tag| tag.text.to_string()));
             if declared.declare(&kind.name, (), &mut self.diagnostics) && self.is_entity(kind) {
                 kinds.insert(&kind.name.text, kind);
@@ -71,7 +80,12 @@ impl Checker<'_> {
         let tags = |of: &mut Self, names: &[String]| of.tags_of(&kinds, names, at);
         let symbols = ['.', '#'].into_iter().chain('a'..='z').chain('A'..='Z').chain('\u{100}'..);
         let tile_kinds = names.iter().zip(symbols);
-        let tile_kinds = tile_kinds.map(|(names, symbol)| TileKind { symbol, tags: tags(self, names) }).collect();
+        let tile_kinds = tile_kinds.map(|(names, symbol)| TileKind {
+            symbol,
+            tags: tags(self, names),
+            breakable: names.iter().find_map(|name| breakable.get(name.as_str()).copied()),
+        });
+        let tile_kinds = tile_kinds.collect();
         world.spaces[id].map = Some(TileMap { columns, rows, tile, kinds: tile_kinds, cells });
         for (names, rect, span) in rectangles {
             let tags = tags(self, &names);

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::diagnostic::catalogue::names::UnknownName;
 use crate::diagnostic::catalogue::syntax::Misplaced;
 use crate::diagnostic::catalogue::types::{NotConstant, TypeMismatch};
-use crate::ir::{self, EntityId, ModeId, SlotId, Subject};
+use crate::ir::{self, EntityId, ModeId, SlotId, Subject, TagId};
 use crate::source::Span;
 use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, PathRef, Unit};
 use crate::syntax::occurrence::{NameKind, Role};
@@ -70,6 +70,8 @@ impl ReadLimit {
 pub(super) struct WorldNames {
     pub instances: Vec<(Name, EntityId)>,
     pub spaces: Vec<(Name, Option<(f64, f64)>)>,
+    /// The tags of its tiles by name; `None` if the tiles of a level are not known yet.
+    pub tiles: Option<BTreeMap<String, TagId>>,
     /// The index of each instance by name.
     index: BTreeMap<String, usize>,
 }
@@ -78,7 +80,7 @@ impl WorldNames {
     pub fn new(instances: Vec<(Name, EntityId)>, spaces: Vec<(Name, Option<(f64, f64)>)>) -> Self {
         let names = instances.iter().enumerate().rev();
         let index = names.map(|(at, (name, _))| (name.text.to_string(), at)).collect();
-        WorldNames { instances, spaces, index }
+        WorldNames { instances, spaces, tiles: None, index }
     }
 
     /// The slot of a named instance, and its entity.
@@ -304,6 +306,7 @@ impl Checker<'_> {
                 let (subject, entity) = &**operands;
                 let (of, known) = self.reference(subject, scope)?;
                 let Some(name) = entity else {
+                    self.note_instance_of(of, subject);
                     return make(TermKind::IsNone(of), Type::Bool);
                 };
                 let Some(entity) = self.entity_named(name) else {
@@ -470,6 +473,7 @@ impl Checker<'_> {
         if let Some((subject, entity)) = self.referred(&name.text, scope) {
             self.record_subject_use(subject, name, scope);
             self.unprimed(path)?;
+            self.note_instance(subject, &name.text, span);
             self.allow(Some(()), span, scope, ReadLimit::State, "a reference")?;
             return make(TermKind::Instance(subject), Type::reference(entity));
         }

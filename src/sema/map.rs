@@ -208,10 +208,10 @@ impl<'a> Checker<'a> {
         }
         match own {
             ProgramTiles::Set(own) => {
-                set.tiles.extend(own.tiles.iter().map(|t| InlineTile { symbol: t.symbol, tags: t.tags.clone() }));
+                set.tiles.extend(own.tiles.iter().map(InlineTile::clone));
                 set.spawns.extend(own.spawns.iter().copied());
             }
-            ProgramTiles::Block(tiles) => self.tile_kinds(tiles, &mut set),
+            ProgramTiles::Block(tiles) => self.tile_kinds(tiles, &mut set, &mut world.times),
         }
         // A wrong side is already reported.
         let rows = rows.filter(|_| tile.is_some());
@@ -272,7 +272,7 @@ impl<'a> Checker<'a> {
             }
             let tags = tags.into_iter().filter(|tag| tag != "empty");
             let tags = tags.map(|text| self.tag(&Name { text: text.into(), span: name.span })).collect();
-            set.tiles.push(InlineTile { symbol, tags });
+            set.tiles.push(InlineTile { symbol, tags, breakable: None });
             set.spawns.push(None);
         }
     }

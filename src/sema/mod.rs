@@ -4,6 +4,7 @@
 //! this stage, so that it reports no consequences of earlier errors.
 
 mod annotation;
+mod breakable;
 mod call;
 pub mod checked;
 mod checked_contact;
@@ -106,6 +107,7 @@ pub fn check(
     if let Some(world) = worlds.next() {
         checker.too_many("worlds", MAX_WORLDS, world.name.span);
     }
+    checker.tiles_as_instances();
     checker.count_tags();
     let Checker { mut checked, mut diagnostics, .. } = checker;
     checked.dimensions = dimension::check(&checked, sources, &mut diagnostics);
@@ -180,6 +182,8 @@ struct Checker<'a> {
     lost: lasting::Lost,
     /// The conditions of the current entity or world.
     conditions: condition::Conditions,
+    /// Uses of names as instances that may stand for tiles.
+    instance_uses: Vec<breakable::InstanceUse>,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -207,6 +211,7 @@ impl<'a> Checker<'a> {
             placed: foreign::placed(files),
             lost: lasting::Lost::of(files),
             conditions: condition::Conditions::default(),
+            instance_uses: Vec::new(),
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

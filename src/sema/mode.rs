@@ -351,7 +351,7 @@ impl Checker<'_> {
         let action = match update {
             ast::Update::Assign(assignment) => self.update(assignment, scope).map(Action::Update),
             ast::Update::Spawn(spawn) => self.spawn(spawn, scope).map(Action::Spawn),
-            ast::Update::Destroy(destroy) => self.typed(&destroy.what, scope, &Type::AnyRef).map(Action::Destroy),
+            ast::Update::Destroy(destroy) => self.destroyed(&destroy.what, scope).map(Action::Destroy),
             ast::Update::Send(send) => self.send(send, scope).map(Action::Send),
         };
         before.extend(action);

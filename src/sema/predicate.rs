@@ -91,6 +91,7 @@ impl Checker<'_> {
             return None;
         };
         self.record_subject_use(subject, first, scope);
+        self.note_instance(subject, &first.text, first.span);
         self.allow(Some(()), span, scope, ReadLimit::State, "another instance's variable")?;
         self.readable(subject, first, span, scope);
         let Some(entity) = entity else {
@@ -304,7 +305,8 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         wrong: impl Fn(&mut Self, &'static str),
     ) -> Option<Term> {
-        const FORMS: &str = "`count(ENTITY)`, `count(ENTITY in MODE)` or `count(ENTITY touching TAG)`";
+        const FORMS: &str =
+            "`count(ENTITY)`, `count(ENTITY in MODE)`, `count(ENTITY touching TAG)` or `count(TAG)` of tiles";
         let [of] = arguments else {
             wrong(self, FORMS);
             return None;
@@ -318,6 +320,17 @@ impl Checker<'_> {
             wrong(self, FORMS);
             return None;
         };
+        if subject == of
+            && let Some(tiles) = self.count_of_tiles(&entity, span, scope)
+        {
+            return Some(tiles);
+        }
+        if let (true, None, Some(world)) = (subject == of, self.entities.get(&entity.text), scope.world) {
+            let tags = world.tiles.iter().flatten().map(|(tag, _)| Candidate::from(tag.as_str()));
+            let fact = unknown("entity or tag of tiles", &entity.text, entity.span, self.entities.names().chain(tags));
+            self.report_unknown(fact);
+            return None;
+        }
         let each = match &of.kind {
             ExprKind::In(operands) => self.each(&entity, span, scope, "`count`", |this, slot, entity| {
                 let names = this.mode_names(entity);

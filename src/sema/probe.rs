@@ -111,6 +111,7 @@ fn reads_more(term: &Term) -> Option<Span> {
         | TermKind::Instance(_)
         | TermKind::InSpace(..)
         | TermKind::Near(_)
+        | TermKind::Tiles(_)
         | TermKind::Count(_) => true,
     };
     if reads { Some(term.span) } else { term.operands().iter().find_map(reads_more) }

@@ -39,6 +39,7 @@ impl Checker<'_> {
             name: syntax.name.clone(),
             step: (1, 60),
             lengths: Vec::new(),
+            times: Vec::new(),
             collide: Vec::new(),
             spaces: IdVec::new(),
             instances: IdVec::new(),
@@ -65,7 +66,7 @@ impl Checker<'_> {
         self.step = world.step;
         for item in &syntax.items {
             match item {
-                WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets, &mut world.lengths),
+                WorldItem::Tiles(tiles) => self.tiles(tiles, &mut sets, &mut world),
                 WorldItem::Collide(line) if world.collide.len() == MAX_COLLIDE_LINES => {
                     self.too_many("lines of `collide`", MAX_COLLIDE_LINES, line.span);
                     break;
@@ -126,7 +127,8 @@ impl Checker<'_> {
         world.limits = self.limits(syntax, &mut population);
         self.placed_references(&mut population);
         world.instances = population.instances;
-        let names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
+        let mut names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);
+        names.tiles = world.open.is_none().then(|| self.tags_of_tiles(&world));
         self.world_conditions(syntax, &names, &Scope::predicate(&names));
         self.links(syntax, &names, &spaces, &mut world);
         self.players(syntax, &mut world);
@@ -262,8 +264,9 @@ impl Checker<'_> {
         None
     }
 
-    fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, lengths: &mut Vec<Term>) {
+    fn tiles<'t>(&mut self, tiles: &'t ast::Tiles, sets: &mut Table<TileSet<'t>>, world: &mut World) {
         self.record_declaration(NameKind::TileSet, &tiles.name);
+        let lengths = &mut world.lengths;
         let (width, height) = (self.tile_side(&tiles.width, lengths), self.tile_side(&tiles.height, lengths));
         let mut set = TileSet {
             name: tiles.name.clone(),
@@ -272,7 +275,7 @@ impl Checker<'_> {
             spawns: Vec::new(),
             others: Vec::new(),
         };
-        self.tile_kinds(&tiles.tiles, &mut set);
+        self.tile_kinds(&tiles.tiles, &mut set, &mut world.times);
         match (width, height) {
             (Some(w), Some(h)) => {
                 set.tile = (w, h);
@@ -285,7 +288,7 @@ impl Checker<'_> {
     }
 
     /// Adds tiles to a set; replaces definitions of a legend.
-    pub(super) fn tile_kinds<'t>(&mut self, tiles: &'t [ast::Tile], set: &mut TileSet<'t>) {
+    pub(super) fn tile_kinds<'t>(&mut self, tiles: &'t [ast::Tile], set: &mut TileSet<'t>, times: &mut Vec<Term>) {
         let mut symbols: Table<()> = Table::new("tile");
         for tile in tiles {
             if set.tiles.len() >= MAX_TILE_KINDS {
@@ -299,9 +302,11 @@ impl Checker<'_> {
             let name = Name { text: tile.symbol.to_string().into(), span: tile.symbol_span };
             if symbols.declare(&name, (), &mut self.diagnostics) {
                 self.checked.other_tags.extend(tile.tags.iter().map(|t| t.text.to_string()));
-                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.carried(t)).collect();
+                let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.carried(t));
+                let tags: Vec<TagId> = tags.collect();
+                let breakable = self.breakable(tile.breakable.as_deref(), &tags, times);
                 self.tile_spawn(tile.spawn.as_ref());
-                let kind = InlineTile { symbol: tile.symbol, tags };
+                let kind = InlineTile { symbol: tile.symbol, tags, breakable };
                 match set.tiles.iter().position(|t| t.symbol == tile.symbol) {
                     Some(known) => {
                         set.tiles[known] = kind;

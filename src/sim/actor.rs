@@ -169,6 +169,8 @@ pub(super) struct Actor {
     pub vars: ops::Range<usize>,
     pub clamps: ops::Range<usize>,
     pub envelopes: ops::Range<usize>,
+    /// The range of its contact queries that can name a tile.
+    pub kept: ops::Range<usize>,
     /// The number of its first draw among those of the world.
     pub draws: usize,
     /// The index of the controlling player.
@@ -187,6 +189,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
         *from - count..*from
     };
     let (mut all_groups, mut all_vars, mut all_clamps, mut all_envelopes, mut all_draws) = (0, 0, 0, 0, 0);
+    let mut all_kept = 0;
     let mut out = Vec::with_capacity(world.slots.len());
     for (id, slot) in world.slots.pairs() {
         let entity = &program.entities[slot.entity];
@@ -211,6 +214,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
             bound: entity.bound,
             signals: entity.signals.len(),
             numbered: entity.numbered_signals(),
+            kept: take(&mut all_kept, if layout.tiles.is_some() { entity.bound } else { 0 }),
             layout,
             code,
             base,

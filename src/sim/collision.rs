@@ -94,12 +94,12 @@ pub(super) struct Kind {
 pub(super) struct Encounter {
     pub meeting: Meeting,
     /// The tags of the other.
-    tags: TagSet,
+    pub tags: TagSet,
     /// The contact bits that a contact sets, for each side of the body: those of the first 64 queries that are not
     /// bound.
     bits: [u64; 4],
     /// Whether there are further bits to set.
-    more: bool,
+    pub more: bool,
     /// How it stops velocities, as in [`super::contact::Stops`].
     stop: u16,
 }
@@ -149,6 +149,8 @@ pub(super) struct Scratch {
     pub displacements: Vec<Displacement>,
     /// The boxes that are seen beyond a seam.
     pub images: Images,
+    /// For each contact query that can name a tile, the length of the edge along which it touches the one it keeps, px.
+    lengths: Vec<f64>,
     /// Amount of work so far.
     pub work: u64,
 }
@@ -265,7 +267,7 @@ impl Collision {
     }
 
     /// Working memory for this world.
-    pub fn scratch(&self, world: &World) -> Scratch {
+    pub fn scratch(&self, world: &World, kept: usize) -> Scratch {
         Scratch {
             boxes: vec![Rect::default(); self.bodies.len()],
             sweep: Sweep::with_capacity(if matches!(self.broad_phase, BroadPhase::Kinds(_)) {
@@ -276,6 +278,7 @@ impl Collision {
             active: self.broad_phase.buffers(),
             displacements: vec![Displacement::NONE; world.slots.len()],
             images: self.seams.as_ref().map_or_else(Images::default, |_| Images::for_boxes(self.bodies.len())),
+            lengths: vec![0.0; kept],
             work: 0,
         }
     }
@@ -376,7 +379,8 @@ impl Simulator {
         if meter.is_stopped() {
             return Ok(());
         }
-        let Scratch { boxes, displacements, .. } = &mut scratch.collision;
+        let Scratch { boxes, displacements, lengths, .. } = &mut scratch.collision;
+        let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
         for (at, body) in bodies.iter().enumerate() {
             let rect = &boxes[at];
             if body.meets && rect.active {
@@ -387,7 +391,7 @@ impl Simulator {
                     looked_at += self.collide_solids(state, body, rect, &mut displacements[at], meter);
                 }
                 if kind.meets_tiles[rect.space as usize] {
-                    looked_at += self.collide_tiles(state, body, rect, &mut displacements[at], meter);
+                    looked_at += self.collide_tiles(state, body, rect, (&mut displacements[at], lengths), meter);
                 }
                 if meter.spend(looked_at as u64) {
                     return Ok(());
@@ -581,7 +585,7 @@ impl Simulator {
                 if !self.can_be_covered((kind, space), index) {
                     return (false, false);
                 }
-                let covered = self.covered((kind, space), (rect, &other), overlap, (false, false), meter);
+                let covered = self.covered(state, (kind, space), (rect, &other), overlap, (false, false), meter);
                 if covered == (true, true) && overlap.came_diagonally(rect.back) {
                     corner = Some([overlap.horizontal(), overlap.vertical()]);
                 }

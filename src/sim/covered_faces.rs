@@ -209,6 +209,7 @@ impl Simulator {
     /// the work.
     pub(super) fn covered(
         &self,
+        state: &[u8],
         (kind, space): (&Kind, usize),
         (body, other): (&Rect, &Rect),
         overlap: &Overlap,
@@ -216,8 +217,8 @@ impl Simulator {
         meter: &Meter<'_>,
     ) -> (bool, bool) {
         let [vertical, horizontal] = Face::turned(body, other, overlap);
-        let beside = || by_neighbour.0 || self.is_covered(kind, space, vertical, meter);
-        let over = || by_neighbour.1 || self.is_covered(kind, space, horizontal, meter);
+        let beside = || by_neighbour.0 || self.is_covered(state, kind, space, vertical, meter);
+        let over = || by_neighbour.1 || self.is_covered(state, kind, space, horizontal, meter);
         match matches!(overlap.least().side, Side::Left | Side::Right) {
             true if beside() => (true, over()),
             true => (false, false),
@@ -237,7 +238,7 @@ impl Simulator {
     }
 
     #[cold]
-    fn is_covered(&self, kind: &Kind, space: usize, face: Face, meter: &Meter<'_>) -> bool {
+    fn is_covered(&self, state: &[u8], kind: &Kind, space: usize, face: Face, meter: &Meter<'_>) -> bool {
         if meter.is_stopped() {
             return false;
         }
@@ -275,8 +276,12 @@ impl Simulator {
                     for nth in (cut(face.low) - 1).max(cells.start)..(cut(face.high) + 1).min(cells.end) {
                         looked_at += 1;
                         let (column, row) = if face.is_vertical { (line as i64, nth) } else { (nth, line as i64) };
-                        let tile = around.kind(map, column, row);
-                        let is_blocking = tile.is_some_and(|tile| blocks(&kind.tiles[space][tile]));
+                        let cell = around.cell(map, column, row);
+                        let is_blocking = cell.is_some_and(|cell| {
+                            let tile = usize::from(map.cells[cell]);
+                            let is_gone = || self.breakables.as_ref().is_some_and(|b| b.is_gone(state, space, cell));
+                            blocks(&kind.tiles[space][tile]) && !is_gone()
+                        });
                         if is_blocking && part.add((nth as f64 * along.0, (nth + 1) as f64 * along.0), &face) {
                             meter.spend(looked_at);
                             return true;

@@ -174,8 +174,9 @@ impl Simulator {
             self.send(state, reader, send);
         }
         for &what in &actions.destroys {
-            if let Some(target) = reader.reference(what) {
-                changes.destroy(target);
+            match reader.reference(what) {
+                Some(target) => changes.destroy(target),
+                None => reader.tile(what).into_iter().for_each(|tile| changes.break_tile(tile)),
             }
         }
     }

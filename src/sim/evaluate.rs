@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use crate::ir::{
     Arithmetic, AxisId, ButtonId, Choice, Expr, ExprId, Function, Id, LeafId, ModeId, ParamId, Press, ProbeId,
-    RefValue, SlotId, SlotLayout, Subject, arithmetic, call, compare,
+    RefValue, SlotId, SlotLayout, Subject, TileId, arithmetic, call, compare,
 };
 
 use super::actor::{Actor, Guard};
@@ -60,15 +60,28 @@ impl<'a> Reader<'a> {
     fn probed(&self, id: ProbeId) -> Option<SlotId> {
         match self.probe(*self.actor?.entity.probes.get(id)?) {
             Found::Instance(slot) => Some(slot),
-            Found::Nothing | Found::Static => None,
+            Found::Nothing | Found::Static | Found::Tile(_) => None,
+        }
+    }
+
+    /// The breakable tile that a value stands for, where it is no instance.
+    #[cold]
+    pub fn tile(&self, value: RefValue) -> Option<TileId> {
+        match value {
+            RefValue::Of(Subject::Touched(id)) => self.sim.tile_touched(self.state, self.actor?, id),
+            RefValue::Of(Subject::Probed(id)) => match self.probe(*self.actor?.entity.probes.get(id)?) {
+                Found::Tile(tile) => Some(tile),
+                Found::Nothing | Found::Static | Found::Instance(_) => None,
+            },
+            RefValue::None | RefValue::Of(Subject::Me | Subject::Slot(_) | Subject::Ref(_)) => None,
         }
     }
 
     /// What a probe finds.
     #[inline(never)]
     fn probe(&self, id: ExprId) -> Found {
-        let Expr::Probe { mine, other, offset: [x, y], bound } = *self.at(id) else { return Found::Nothing };
-        self.sim.probe(self, (mine, other), [self.number(x), self.number(y)], bound)
+        let Expr::Probe { mine, other, offset: [x, y], bound, tiles } = *self.at(id) else { return Found::Nothing };
+        self.sim.probe(self, (mine, other), [self.number(x), self.number(y)], (bound, tiles))
     }
 
     /// The layout of the reader's own instance.
@@ -204,6 +217,7 @@ impl<'a> Reader<'a> {
             Expr::Chance(chance) => self.actor.map_or(0.0, |a| self.frames.read(a.draws + chance.index())),
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
+            Expr::Broken(tag) => self.sim.broken_with(self.state, tag) as f64,
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (self.number(a), self.number(b));
@@ -305,6 +319,7 @@ impl<'a> Reader<'a> {
             | Expr::Chance(_)
             | Expr::Timer(_)
             | Expr::Frames(_)
+            | Expr::Broken(_)
             | Expr::Negate(_)
             | Expr::Arithmetic(..)
             | Expr::Call(..) => self.number(id) != 0.0,

@@ -1,7 +1,7 @@
 //! The events of a step, for drawing and sound. They are derived from the states before and after and from the working
 //! memory of the step; unused, they cost nothing.
 
-use crate::ir::{EdgeId, GoalId, NeverId, SlotId, SpaceId, TouchId};
+use crate::ir::{EdgeId, GoalId, NeverId, SlotId, SpaceId, TileId, TouchId};
 
 use super::fault::Fault;
 use super::simulator::{Scratch, Simulator};
@@ -21,6 +21,10 @@ pub enum Event {
     Touched(SlotId, TouchId),
     /// A contact query of an instance's entity no longer holds.
     Parted(SlotId, TouchId),
+    /// A tile was broken.
+    Broken(TileId),
+    /// A tile is back.
+    Restored(TileId),
     /// A goal holds, and did not before.
     Goal(GoalId),
     /// A `never` holds, and did not before.
@@ -29,7 +33,7 @@ pub enum Event {
 
 impl Simulator {
     /// Calls `on_event` for each event of the last step made with `scratch`, which led from one state to another: edges
-    /// in the order in which they were taken, then instances, contacts and predicates by id.
+    /// in the order in which they were taken, then instances, contacts, tiles and predicates by id.
     ///
     /// # Errors
     /// A [`Fault`] if a goal or a `never` breaks a rule.
@@ -65,6 +69,11 @@ impl Simulator {
                     _ => {}
                 }
             }
+        }
+        if let Some(breakables) = &self.breakables {
+            breakables.changes(before, after, &mut |tile, is_broken| {
+                on_event(if is_broken { Event::Broken(tile) } else { Event::Restored(tile) });
+            });
         }
         let begins = |predicate| Ok(self.holds(after, predicate)? && !self.holds(before, predicate)?);
         for (id, goal) in world.goals.pairs() {

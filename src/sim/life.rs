@@ -1,11 +1,11 @@
-//! Destroyed instances, spawned instances and moves through links: applied after all edges are taken, in slot order.
+//! Destroyed instances, broken tiles, spawned instances and moves through links: applied after all edges are taken, in slot order.
 //!
 //! A destroyed instance stays readable until the step ends; then every reference to it becomes none and its slot is
 //! free. A spawned instance is readable at once, but moves, collides and takes edges from the next step on.
 
 use std::cell::Cell;
 
-use crate::ir::{EdgeId, EntityId, Id, Origin, Place, RefId, Slot, SlotId, SpaceId, SpawnId, VarId, World};
+use crate::ir::{EdgeId, EntityId, Id, Origin, Place, RefId, Slot, SlotId, SpaceId, SpawnId, TileId, VarId, World};
 
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
@@ -43,6 +43,8 @@ pub(super) struct Changes {
     destroys: Vec<SlotId>,
     /// The spawner, the spawn, and the reference that is set to the new instance.
     spawns: Vec<(SlotId, SpawnId, Option<RefId>)>,
+    /// Tiles that break.
+    breaks: Vec<TileId>,
     /// Instances with the index of the link that they move through.
     moves: Vec<(SlotId, usize)>,
     /// Instances with the edges that they took.
@@ -58,6 +60,7 @@ impl Changes {
     pub fn with_capacity(destroys: usize, spawns: usize, slots: usize, edges: usize) -> Self {
         Changes {
             destroys: Vec::with_capacity(destroys),
+            breaks: Vec::with_capacity(destroys),
             spawns: Vec::with_capacity(spawns),
             moves: Vec::with_capacity(slots),
             edges: Vec::with_capacity(edges),
@@ -67,6 +70,7 @@ impl Changes {
 
     pub fn clear(&mut self) {
         self.destroys.clear();
+        self.breaks.clear();
         self.spawns.clear();
         self.moves.clear();
         self.edges.clear();
@@ -76,11 +80,15 @@ impl Changes {
 
     /// Whether there are no pending changes.
     pub fn is_none(&self) -> bool {
-        self.destroys.is_empty() && self.spawns.is_empty() && self.moves.is_empty()
+        self.destroys.is_empty() && self.breaks.is_empty() && self.spawns.is_empty() && self.moves.is_empty()
     }
 
     pub fn destroy(&mut self, slot: SlotId) {
         self.destroys.push(slot);
+    }
+
+    pub fn break_tile(&mut self, tile: TileId) {
+        self.breaks.push(tile);
     }
 
     pub fn spawn(&mut self, me: SlotId, spawn: SpawnId, into: Option<RefId>) {
@@ -139,6 +147,9 @@ impl Simulator {
                 self.layout(slot).set_life(state, Life::Dying);
                 changes.lives_changed = true;
             }
+        }
+        if let Some(breakables) = &self.breakables {
+            changes.breaks.iter().for_each(|tile| breakables.break_tile(state, *tile));
         }
         for &(me, spawn, into) in &changes.spawns {
             let pool = &self.pools[self.entity(me).spawns[spawn].entity.index()];

@@ -5,6 +5,7 @@
 //! allocates nothing. The same state and inputs always give the same bits.
 
 mod actor;
+mod breakable;
 mod broad_phase;
 mod carry;
 pub(crate) mod chance;

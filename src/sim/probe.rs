@@ -1,9 +1,12 @@
 //! Probes: whether a collider, moved by an offset, overlaps something with a tag. Answered where a guard asks, on the
 //! state that it reads: nothing is stored, and a program without probes has no tables for them.
 
-use crate::ir::{Bounds, Expr, Period, Program, SlotId, SpaceId, TagId, TagSet, World};
+use std::cell::Cell;
+
+use crate::ir::{Bounds, Expr, Period, Program, SlotId, SpaceId, TagId, TagSet, TileId, World};
 
 use super::actor::Actor;
+use super::breakable::Best;
 use super::collision::{Body, Collision};
 use super::contact::{Rect, TOLERANCE, sinks_in};
 use super::evaluate::Reader;
@@ -33,6 +36,8 @@ pub(super) enum Found {
     Nothing,
     /// A tile or a rectangle.
     Static,
+    /// A breakable tile, where a name can stand for one.
+    Tile(TileId),
     Instance(SlotId),
 }
 
@@ -81,7 +86,8 @@ impl Tagged {
 
 impl Simulator {
     /// What one's own colliders tagged `mine`, moved by `offset`, overlap of what is tagged `other`. Of several instances
-    /// it is the one with the lowest slot; `bound` leaves out tiles and rectangles.
+    /// it is the one with the lowest slot; `bound` leaves out tiles and rectangles, but for breakable tiles if `tiles`:
+    /// where there is no instance, the one that it overlaps most.
     // Not inlined: it is rare, and would enlarge every guard.
     #[inline(never)]
     pub(super) fn probe(
@@ -89,17 +95,18 @@ impl Simulator {
         reader: &Reader<'_>,
         (mine, other): (TagId, TagId),
         offset: [f64; 2],
-        bound: bool,
+        (bound, tiles): (bool, bool),
     ) -> Found {
         let tables = self.probes.as_ref().and_then(|probes| probes.tagged(mine).zip(probes.tagged(other)));
         let Some((own, asked)) = tables else { return Found::Nothing };
         let bodies = &self.collision.bodies;
         let mut found = Found::Nothing;
+        let most: Cell<Option<Best>> = Cell::new(None);
         let from = own.bodies.partition_point(|&at| bodies[at].slot < reader.me);
         for &at in own.bodies[from..].iter().take_while(|&&at| bodies[at].slot == reader.me) {
             let Some(rect) = self.rect_of(&bodies[at], reader) else { continue };
             let rect = rect.moved(offset);
-            if !bound && self.any_image(&rect, |rect| self.overlaps_static(rect, asked)) {
+            if !bound && self.any_image(&rect, |rect| self.overlaps_static(reader.state, rect, asked)) {
                 return Found::Static;
             }
             for body in asked.bodies.iter().map(|&at| &bodies[at]).filter(|body| body.slot != reader.me) {
@@ -114,8 +121,36 @@ impl Simulator {
                     }
                 }
             }
+            if tiles && found == Found::Nothing {
+                self.any_image(&rect, |rect| {
+                    self.most_overlapped(reader.state, rect, asked, &most);
+                    false
+                });
+            }
         }
-        found
+        match (found, most.get()) {
+            (Found::Nothing, Some(most)) => Found::Tile(most.tile),
+            _ => found,
+        }
+    }
+
+    /// Keeps the breakable tile that a box overlaps most, if that is more than what is known.
+    #[inline(never)]
+    fn most_overlapped(&self, state: &[u8], rect: &Rect, asked: &Tagged, most: &Cell<Option<Best>>) {
+        let Some(breakables) = &self.breakables else { return };
+        self.tiles_under(rect, asked, |cell, bounds| {
+            let Some(tile) = breakables.tile(rect.space as usize, cell) else { return false };
+            let other = rect_at(rect, bounds);
+            if !breakables.is_broken(state, tile) && overlap(rect, &other) {
+                let width = rect.right.min(other.right) - rect.left.max(other.left);
+                let height = rect.top.min(other.top) - rect.bottom.max(other.bottom);
+                let found = Best { tile, cell, measure: width * height };
+                if most.get().is_none_or(|known| found.is_better_than(&known)) {
+                    most.set(Some(found));
+                }
+            }
+            false
+        });
     }
 
     /// Whether something holds of a box or, in a space that wraps, of the box as it is seen beyond a seam.
@@ -170,19 +205,18 @@ impl Simulator {
     }
 
     /// Whether a box overlaps a tile or a rectangle of its space that has a tag.
-    fn overlaps_static(&self, rect: &Rect, asked: &Tagged) -> bool {
-        let of = |b: &Bounds| Rect {
-            left: b.left,
-            right: b.right,
-            bottom: b.bottom,
-            top: b.top,
-            space: rect.space,
-            ..*rect
-        };
-        let fixed = |b: &Bounds| overlap(rect, &Rect { round: false, ..of(b) });
-        if asked.rects[rect.space as usize].iter().any(fixed) {
+    fn overlaps_static(&self, state: &[u8], rect: &Rect, asked: &Tagged) -> bool {
+        if asked.rects[rect.space as usize].iter().any(|b| overlap(rect, &rect_at(rect, b))) {
             return true;
         }
+        self.tiles_under(rect, asked, |cell, bounds| {
+            let is_gone = || self.breakables.as_ref().is_some_and(|b| b.is_gone(state, rect.space as usize, cell));
+            overlap(rect, &rect_at(rect, bounds)) && !is_gone()
+        })
+    }
+
+    /// Whether something holds of a tile near a box that has a tag, given its cell and its bounds.
+    fn tiles_under(&self, rect: &Rect, asked: &Tagged, mut holds: impl FnMut(usize, &Bounds) -> bool) -> bool {
         let kinds = &asked.tiles[rect.space as usize];
         let Some(map) = self.world().spaces[SpaceId(rect.space)].map.as_ref().filter(|_| !kinds.is_empty()) else {
             return false;
@@ -192,13 +226,19 @@ impl Simulator {
         let (low, high) = rows.range(rect.bottom, rect.top);
         let (width, height) = map.tile;
         (low..high).any(|row| {
-            let cells = map.cells.get(row * map.columns + first..row * map.columns + after).unwrap_or_default();
+            let start = row * map.columns + first;
+            let cells = map.cells.get(start..row * map.columns + after).unwrap_or_default();
             cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]).any(|(index, _)| {
                 let (left, bottom) = ((first + index) as i64 as f64 * width, row as i64 as f64 * height);
-                fixed(&Bounds { left, right: left + width, bottom, top: bottom + height })
+                holds(start + index, &Bounds { left, right: left + width, bottom, top: bottom + height })
             })
         })
     }
+}
+
+/// A static box in the space of another box.
+fn rect_at(of: &Rect, b: &Bounds) -> Rect {
+    Rect { left: b.left, right: b.right, bottom: b.bottom, top: b.top, round: false, ..*of }
 }
 
 /// Whether two shapes overlap by more than what faces that merely touch may.

@@ -113,6 +113,9 @@ impl Simulator {
         for slot in self.world().slots.ids() {
             self.check(state, slot).map_err(|what| damaged(Some(slot), what))?;
         }
+        if let Some(breakables) = &self.breakables {
+            breakables.check(state).map_err(|what| damaged(None, what))?;
+        }
         Ok(State(state.to_vec()))
     }
 
@@ -154,7 +157,10 @@ impl Simulator {
         let touched = entity.touches.ids().take(entity.bound);
         let is_slot = |target: SlotId| target.index() < world.slots.len();
         let mut others = touched.filter_map(|touch| layout.touched(state, touch)).chain(layout.carrier(state));
-        must(others.all(is_slot), "what it touches or is on is nothing")
+        must(others.all(is_slot), "what it touches or is on is nothing")?;
+        let tiles = world.layout.tiles.as_ref().map_or(0, |tiles| tiles.count);
+        let mut touched = entity.touches.ids().take(entity.bound).filter_map(|id| layout.touched_tile(state, id));
+        must(touched.all(|tile| tile.index() < tiles), "a tile that it touches is none")
     }
 
     /// A fingerprint of the meaning of a state's bytes: FNV-1a (Fowler, Noll, Vo) over the names and structure of the
@@ -180,12 +186,16 @@ impl Simulator {
             entity.refs.iter().for_each(|reference| add(&reference.name));
             entity.signals.iter().for_each(|s| add(&format!("{} {}", s.name, s.number.is_some())));
             for touch in entity.touches.iter() {
-                add(&format!("{} {} {:?} {}", touch.mine.0, touch.other, touch.side, touch.bound));
+                let kept = if touch.tiles { " tiles" } else { "" };
+                add(&format!("{} {} {:?} {}{kept}", touch.mine.0, touch.other, touch.side, touch.bound));
             }
             add(&entity.envelopes.len().to_string());
         }
         self.program().tags.iter().for_each(|tag| add(tag));
         self.world().spaces.iter().for_each(|space| add(&space.name));
+        for (space, cell) in self.breakables.iter().flat_map(|breakables| breakables.tiles.places.iter()) {
+            add(&format!("{space} {cell}"));
+        }
         self.world().players.iter().for_each(|player| add(&player.number.to_string()));
         hash
     }

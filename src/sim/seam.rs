@@ -89,11 +89,6 @@ impl Around {
         let (column, row) = (inside(column, map.columns, self.wraps[0])?, inside(row, map.rows, self.wraps[1])?);
         Some(row * map.columns + column)
     }
-
-    /// The kind of the tile there.
-    pub fn kind(&self, map: &TileMap<TagId>, column: i64, row: i64) -> Option<usize> {
-        map.cells.get(self.cell(map, column, row)?).map(|kind| usize::from(*kind))
-    }
 }
 
 /// The boxes that are seen beyond a seam, and for each the body.

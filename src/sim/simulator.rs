@@ -11,6 +11,7 @@ use crate::ir::{
 use crate::watch::{Meter, Unwatched};
 
 use super::actor::{Actor, Flow, actors, moves_independently};
+use super::breakable::Breakables;
 use super::chance::{self, Draw, Frames};
 use super::collision::Collision;
 use super::discrete::{ActingGroup, TakenEdge};
@@ -31,6 +32,8 @@ pub struct Simulator {
     code: Option<Box<[Expr]>>,
     pub(super) step: f64,
     pub(super) collision: Collision,
+    /// The tiles that can be broken, if there are any.
+    pub(super) breakables: Option<Box<Breakables>>,
     /// What probes look at, if there are any.
     pub(super) probes: Option<Box<Probes>>,
     /// For each entity, what a spawn may take.
@@ -116,6 +119,7 @@ impl Simulator {
             moves_independently: moves_independently(&actors),
             step: world.step.seconds(),
             collision,
+            breakables: Breakables::new(world),
             pools: program.entities.ids().map(|entity| Pool::new(world, entity)).collect(),
             actors,
             lives_change,
@@ -194,7 +198,7 @@ impl Simulator {
             before: vec![0; self.world.layout.size],
             frames: Frames::new(self.world.players.len(), self.draws.len()),
             flows: self.actors.iter().flat_map(|a| a.code.steady.iter().copied()).collect(),
-            collision: self.collision.scratch(&self.world),
+            collision: self.collision.scratch(&self.world, self.actors.last().map_or(0, |actor| actor.kept.end)),
         }
     }
 
@@ -279,6 +283,9 @@ impl Simulator {
         self.collide(state, scratch, true, meter)?;
         if self.lives_change {
             self.remove_destroyed(state, scratch);
+        }
+        if let Some(breakables) = &self.breakables {
+            breakables.restore(state);
         }
         meter.spend(1 + self.cost + scratch.work().wrapping_sub(before));
         Ok(())

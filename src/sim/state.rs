@@ -2,8 +2,8 @@
 //! so a state can be moved between machines.
 
 use crate::ir::{
-    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SignalId, SlotId, SlotLayout, SpaceId, TimerId,
-    TouchId, VarId,
+    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SignalId, SlotId, SlotLayout, SpaceId, TileId,
+    TimerId, TouchId, VarId,
 };
 
 /// The life cycle of a slot.
@@ -309,6 +309,21 @@ impl SlotLayout {
         set_slot(state, self.bound + 2 * id.index(), target);
     }
 
+    /// The tile that a bound contact query found in the last collision phase.
+    #[inline]
+    pub fn touched_tile(&self, state: &[u8], id: TouchId) -> Option<TileId> {
+        let at = self.tiles? + 4 * id.index();
+        u32::from_le_bytes(load(state, at)).checked_sub(1).map(TileId)
+    }
+
+    /// Stores the tile that a bound contact query found.
+    #[inline]
+    pub fn set_touched_tile(&self, state: &mut [u8], id: TouchId, tile: Option<TileId>) {
+        if let Some(at) = self.tiles {
+            store(state, at + 4 * id.index(), tile.map_or(0, |tile| tile.0 + 1).to_le_bytes());
+        }
+    }
+
     /// The carrier of the instance.
     #[inline]
     pub fn carrier(&self, state: &[u8]) -> Option<SlotId> {
@@ -367,6 +382,9 @@ impl SlotLayout {
         }
         if bound > 0 {
             state[self.bound..self.bound + 2 * bound].fill(0);
+            if let Some(tiles) = self.tiles {
+                state[tiles..tiles + 4 * bound].fill(0);
+            }
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Contacts between bodies and the tiles of a map.
 
+use std::cell::Cell;
 use std::ops::Range;
 
-use crate::ir::{Push, Side, SpaceId, TagId, TileMap, World};
+use crate::ir::{Id, Push, Side, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
+use super::breakable::Breakables;
 use super::collision::{Body, Encounter};
 use super::contact::{Displacement, Rect, meet};
 use super::seam::Around;
@@ -16,6 +18,10 @@ struct Tiles<'a> {
     map: &'a TileMap<TagId>,
     /// For each kind of tile.
     encounters: &'a [Option<Encounter>],
+    /// Those that can be broken, if there are any, and the index of the space.
+    breakables: Option<(&'a Breakables, usize)>,
+    /// As in [`super::collision::Scratch`].
+    lengths: &'a [Cell<f64>],
     /// Counts the rectangles that are searched for covered faces.
     meter: &'a Meter<'a>,
     /// The cells beyond the seams of a space that wraps.
@@ -32,37 +38,43 @@ struct Tile {
 
 impl Tiles<'_> {
     /// Whether the tile of a cell, by its index, blocks.
-    fn blocks(self, at: usize) -> bool {
+    fn blocks(self, state: &[u8], at: usize) -> bool {
         let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
-        met.is_some_and(|w| w.meeting.response.push == Push::Block)
+        met.is_some_and(|w| w.meeting.response.push == Push::Block) && !self.is_gone(state, at)
+    }
+
+    /// Whether the tile of a cell is broken.
+    #[inline]
+    fn is_gone(self, state: &[u8], at: usize) -> bool {
+        self.breakables.is_some_and(|(breakables, space)| breakables.is_gone(state, space, at))
     }
 
     /// Whether the neighbour blocks that covers the face of a tile which a side of a body touches.
     #[inline]
-    fn covers(self, tile: Tile, side: Side) -> bool {
+    fn covers(self, state: &[u8], tile: Tile, side: Side) -> bool {
         let Tile { column, row, at } = tile;
         if let Some(around) = self.around {
-            return self.covers_around(around, tile, side);
+            return self.covers_around(state, around, tile, side);
         }
         // There are no obstacles outside the map.
         match side {
-            Side::Right => column > 0 && self.blocks(at - 1),
-            Side::Left => column + 1 < self.map.columns as i64 && self.blocks(at + 1),
-            Side::Above => row > 0 && self.blocks(at - self.map.columns),
-            Side::Below => self.blocks(at + self.map.columns),
+            Side::Right => column > 0 && self.blocks(state, at - 1),
+            Side::Left => column + 1 < self.map.columns as i64 && self.blocks(state, at + 1),
+            Side::Above => row > 0 && self.blocks(state, at - self.map.columns),
+            Side::Below => self.blocks(state, at + self.map.columns),
         }
     }
 
     /// As [`Tiles::covers`] in a space that wraps.
     #[cold]
-    fn covers_around(self, around: &Around, Tile { column, row, .. }: Tile, side: Side) -> bool {
+    fn covers_around(self, state: &[u8], around: &Around, Tile { column, row, .. }: Tile, side: Side) -> bool {
         let (x, y) = match side {
             Side::Right => (-1, 0),
             Side::Left => (1, 0),
             Side::Above => (0, -1),
             Side::Below => (0, 1),
         };
-        around.cell(self.map, column + x, row + y).is_some_and(|at| self.blocks(at))
+        around.cell(self.map, column + x, row + y).is_some_and(|at| self.blocks(state, at))
     }
 }
 
@@ -76,12 +88,13 @@ impl Simulator {
         state: &mut [u8],
         body: &Body,
         rect: &Rect,
-        displacement: &mut Displacement,
+        (displacement, lengths): (&mut Displacement, &[Cell<f64>]),
         meter: &Meter<'_>,
     ) -> usize {
         let Some(map) = &self.world().spaces[SpaceId(rect.space)].map else { return 0 };
         let encounters = &*self.collision.kinds[body.kind].tiles[rect.space as usize];
-        let tiles = Tiles { map, encounters, meter, around: None };
+        let breakables = self.breakables.as_deref().map(|breakables| (breakables, rect.space as usize));
+        let tiles = Tiles { map, encounters, breakables, lengths, meter, around: None };
         if self.collision.seams.is_some() && self.world().spaces[SpaceId(rect.space)].wraps() {
             return self.collide_tiles_around(state, (body, rect), tiles, displacement);
         }
@@ -150,6 +163,9 @@ impl Simulator {
         with: &Encounter,
         displacement: &mut Displacement,
     ) {
+        if tiles.is_gone(state, cell.at) {
+            return;
+        }
         let (width, height) = tiles.map.tile;
         let (left, bottom) = (cell.column as f64 * width, cell.row as f64 * height);
         let (right, top) = (left + width, bottom + height);
@@ -157,10 +173,11 @@ impl Simulator {
         // The faces turned to the body; a covered one never gives the side.
         let mut corner = None;
         let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            let mut covered = (tiles.covers(cell, overlap.x_side), tiles.covers(cell, overlap.y_side));
+            let mut covered = (tiles.covers(state, cell, overlap.x_side), tiles.covers(state, cell, overlap.y_side));
             if covered != (true, true) && self.is_beside_rect(rect.space as usize, cell.at) {
                 let kind = &self.collision.kinds[body.kind];
-                covered = self.covered((kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
+                covered =
+                    self.covered(state, (kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
             }
             if covered == (true, true) && overlap.came_diagonally(rect.back) {
                 corner = Some([overlap.horizontal(), overlap.vertical()]);
@@ -170,6 +187,17 @@ impl Simulator {
         let Some(contact) = contact else { return };
         self.static_contact(state, body, with, contact, displacement);
         self.corner_contact(body, with, corner, displacement);
+        if with.more
+            && let Some(broken) = tiles.breakables.and_then(|(breakables, space)| breakables.tile(space, cell.at))
+        {
+            let length = match contact.side {
+                Side::Left | Side::Right => rect.top.min(top) - rect.bottom.max(bottom),
+                Side::Above | Side::Below => rect.right.min(right) - rect.left.max(left),
+            };
+            let actor = &self.actors[body.slot.index()];
+            let mine = self.collision.kinds[body.kind].tags;
+            self.touch_tile(state, (actor, mine), (broken, with.tags), (contact.side, length), tiles.lengths);
+        }
     }
 }
 

@@ -99,6 +99,10 @@ struct Line<'a> {
     /// The instances that exist, by name.
     #[cfg_attr(feature = "schemas", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]
     instances: Instances<'a>,
+    /// The tiles that are broken, by space, then row, then column.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schemas", schemars(default))]
+    broken: Vec<BrokenTile<'a>>,
     /// The goals that hold.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schemas", schemars(default))]
@@ -107,6 +111,18 @@ struct Line<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schemas", schemars(default))]
     never: Vec<&'a str>,
+}
+
+/// A broken tile in a state; column 0 is the leftmost, row 0 the lowest.
+#[derive(serde::Serialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+struct BrokenTile<'a> {
+    /// The space.
+    space: &'a str,
+    /// The column in its map.
+    column: usize,
+    /// The row in its map.
+    row: usize,
 }
 
 /// An instance in a state. Beside these fields it has one for each variable: a continuous variable is its position,
@@ -181,13 +197,25 @@ impl<'s> TraceLines<'s> {
             step,
             inputs,
             instances: Instances { sim: self.sim, state },
+            broken: self.broken(state),
             goals: world.goals.iter().filter(|g| is_running && holds(g.holds)).map(|g| g.name.as_str()).collect(),
             never: world.nevers.iter().filter(|n| holds(n.holds)).map(|n| n.name.as_str()).collect(),
         };
         Ok(format!("{}\n", json::text(&line, Layout::Compact)?))
     }
 
-    /// The names of the columns: the step and its inputs, all possible instances, goals and `never`s.
+    /// The broken tiles of a state.
+    fn broken(&self, state: &[u8]) -> Vec<BrokenTile<'s>> {
+        let tiles = self.sim.broken_tiles(state).into_iter();
+        let mut places: Vec<_> = tiles.filter_map(|tile| self.sim.place_of_tile(tile)).collect();
+        places.sort_by_key(|(space, column, row)| (*space, *row, *column));
+        let spaces = &self.sim.world().spaces;
+        let named = |(space, column, row)| BrokenTile { space: &spaces[space].name, column, row };
+        places.into_iter().map(named).collect()
+    }
+
+    /// The names of the columns: the step and its inputs, all possible instances, broken tiles if any can break, goals and
+    /// `never`s.
     pub fn columns(&self) -> Vec<String> {
         let world = self.sim.world();
         let mut columns = vec!["step".to_string(), "inputs".to_string()];
@@ -205,6 +233,7 @@ impl<'s> TraceLines<'s> {
             entity.refs.iter().for_each(|reference| add(&reference.name));
             entity.timers.iter().for_each(|timer| add(&format!("timer.{}", entity.modes[timer.mode].path)));
         }
+        columns.extend(world.layout.tiles.as_ref().map(|_| "broken".to_string()));
         columns.extend(world.goals.iter().map(|goal| format!("goal.{}", goal.name)));
         columns.extend(world.nevers.iter().map(|never| format!("never.{}", never.name)));
         columns
@@ -241,6 +270,10 @@ impl<'s> TraceLines<'s> {
             let target = |r| layout.reference(state, r).map_or(String::new(), |t| world.slots[t].name.clone());
             cells.extend(entity.refs.ids().map(target));
             cells.extend(entity.timers.ids().map(|t| world.step.times(layout.timer(state, t)).to_string()));
+        }
+        if world.layout.tiles.is_some() {
+            let tiles = self.broken(state).into_iter().map(|t| format!("{}:{}:{}", t.space, t.column, t.row));
+            cells.push(tiles.collect::<Vec<_>>().join(" "));
         }
         let holds = |expr| self.sim.holds(state, expr).unwrap_or(false);
         let is_running = self.sim.left_bounds(state).is_none();

@@ -115,8 +115,19 @@ pub struct Tile {
     pub symbol_span: Span,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
+    /// Whether it can be broken.
+    pub breakable: Option<Box<Breakable>>,
     /// The instance that it spawns.
     pub spawn: Option<TileSpawn>,
+}
+
+/// `breakable restore after time`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Breakable {
+    /// After how long it is back.
+    pub restore: Option<Expr>,
+    /// The whole.
+    pub span: Span,
 }
 
 /// `spawn Entity as name { settings }` of a tile
@@ -261,6 +272,8 @@ pub struct Kind {
     pub name: Name,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
+    /// Whether tiles of this name can be broken.
+    pub breakable: Option<Box<Breakable>>,
     /// The instance that it spawns.
     pub spawn: Option<TileSpawn>,
 }

@@ -4,8 +4,8 @@ use pest::iterators::Pair;
 
 use super::Rule;
 use super::ast::{
-    Assignment, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place, Player,
-    Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem, Wrap,
+    Assignment, Breakable, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place,
+    Player, Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem, Wrap,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -147,7 +147,21 @@ impl<'a> Builder<'a> {
         let symbol = inner.first()?;
         let character = symbol.clone().into_inner().next()?.as_str().chars().next()?;
         let (tags, spawn) = self.meaning(inner.get(1)?)?;
-        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, spawn })
+        let breakable = self.breakable(inner.get(2))?;
+        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, breakable, spawn })
+    }
+
+    /// `breakable restore after time`, if that is written; none if it cannot be read.
+    #[allow(clippy::option_option, reason = "what is left out, and what cannot be read")]
+    fn breakable(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<Option<Box<Breakable>>> {
+        let Some(pair) = pair.filter(|pair| pair.as_rule() == Rule::breakable) else { return Some(None) };
+        let restore = parts(pair).into_iter().find(|part| part.as_rule() == Rule::restore);
+        let time = restore.and_then(|restore| parts(&restore).into_iter().find(|p| p.as_rule() == Rule::expression));
+        let restore = match time {
+            Some(time) => Some(self.expression(&time)?),
+            None => None,
+        };
+        Some(Some(Box::new(Breakable { restore, span: self.span_of(pair) })))
     }
 
     /// The meaning of a tile: tags, or a spawn.
@@ -188,7 +202,8 @@ impl<'a> Builder<'a> {
                     let inner = parts(&item);
                     let Some((name, what)) = inner.first().zip(inner.get(1)) else { continue };
                     let Some((tags, spawn)) = self.meaning(what) else { continue };
-                    found.kinds.push(Kind { name: self.name(name), tags, spawn });
+                    let Some(breakable) = self.breakable(inner.get(2)) else { continue };
+                    found.kinds.push(Kind { name: self.name(name), tags, breakable, spawn });
                 }
             }
         }

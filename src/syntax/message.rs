@@ -303,7 +303,10 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
         R::mode => Some("mode"),
         R::spawn => Some("spawn"),
         R::kw_mode | R::kw_when | R::kw_collider | R::kw_spawn | R::kw_destroy | R::kw_self => keyword(rule),
-        R::word_by | R::word_with | R::word_at | R::word_x | R::word_links | R::word_tile => keyword(rule),
+        R::word_by | R::word_with | R::word_at | R::word_x | R::word_links | R::word_tile | R::word_after => {
+            keyword(rule)
+        }
+        R::breakable => Some("breakable"),
         _ if is_statement => opening_keywords(&format!("{rule:?}")).first().copied(),
         _ => None,
     }

@@ -121,6 +121,9 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_collide
             | R::word_with
             | R::word_tiles
+            | R::word_breakable
+            | R::word_restore
+            | R::word_after
             | R::word_x
             | R::word_space
             | R::word_player

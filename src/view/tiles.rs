@@ -1,5 +1,5 @@
 //! The tiles of a map: equal neighbours are merged into rectangles, and a map with very many small tiles is drawn
-//! coarser.
+//! coarser. Tiles that can be broken have dashed outlines.
 
 use crate::ir::{Bounds, TagId, TagSet, TileMap};
 
@@ -45,6 +45,19 @@ pub(super) fn draw(out: &mut String, frame: &Frame, map: &TileMap<TagId>, appear
         path(out, &format!("tile {}", appearance.class), &data);
         path(out, "tile lip", &lips);
     }
+    breakable(out, frame, map);
+}
+
+/// Draws a dashed line around each tile that can be broken, unless they are too many to be seen.
+fn breakable(out: &mut String, frame: &Frame, map: &TileMap<TagId>) {
+    let breaks = |kind: &u16| map.kinds[usize::from(*kind)].breakable.is_some();
+    let cells = || map.cells.iter().enumerate().filter(|(_, kind)| breaks(kind));
+    let mut data = String::new();
+    if cells().nth(MAX_RECTANGLES).is_none() {
+        let bounds = cells().map(|(cell, _)| Bounds::new(map.rectangle(cell)));
+        bounds.filter_map(|bounds| frame.cut(bounds)).for_each(|rect| box_data(&mut data, rect));
+    }
+    path(out, "bounds", &data);
 }
 
 impl Grid {

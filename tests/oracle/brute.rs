@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use hypedc::sema::checked::{Action, By, DriveBy, Entity, Release, Term, TermKind, Type};
 
-use super::evaluate::touching;
+use super::evaluate::{longest, touching};
 use super::model::{Fault, Keys, Moves, Oracle, State};
 
 /// A contact query: tag of the entity's own collider, tag of the other, side, and whether the other is named.
@@ -188,6 +188,10 @@ fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
         let presses = &reads[player.slot.index()].presses;
         key.push(held.iter().filter(|b| presses.contains(b)).map(|b| 1u64 << b).sum());
     }
+    for ((space, cell), left) in &state.broken {
+        key.extend([*space as u64, *cell as u64, u64::from(left.unwrap_or(0))]);
+    }
+    key.push(u64::MAX);
     for (thing, reads) in state.things.iter().zip(reads) {
         let Some(thing) = thing else {
             key.push(0);
@@ -217,6 +221,7 @@ fn key(oracle: &Oracle<'_>, reads: &[Reads], state: &State) -> Vec<u64> {
             let answers = || touching(thing, *mine, *other, *side);
             if *named {
                 key.push(answers().filter_map(|c| c.who).min().map_or(0, |slot| 1 + slot as u64));
+                key.push(longest(answers().filter_map(|c| c.tile)).map_or(0, |cell| 1 + cell as u64));
             } else {
                 key.push(u64::from(answers().next().is_some()));
             }

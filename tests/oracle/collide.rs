@@ -1,12 +1,12 @@
 //! Collisions: every pair is checked, tiles are separate rectangles.
 
-use hypedc::ir::{Push, Response, Side, TagId};
+use hypedc::ir::{Breakable, Push, Response, Side, TagId};
 
 use std::collections::BTreeSet;
 
 use hypedc::sema::checked::{CollideRule, Shape};
 
-use super::model::{Contact, Fault, Oracle, State};
+use super::model::{Along, Contact, Fault, Oracle, State};
 use super::step::Passing;
 
 /// Maximum previous overlap that counts as outside, px.
@@ -190,13 +190,13 @@ impl Oracle<'_> {
             }
         }
         for space in 0..self.world.spaces.len() {
-            bodies.extend(self.still(space));
+            bodies.extend(self.still(space, state));
         }
         Ok(bodies)
     }
 
     /// The static geometry of a space.
-    fn still(&self, number: usize) -> Vec<Body> {
+    fn still(&self, number: usize, state: &State) -> Vec<Body> {
         let space = self.world.spaces.iter().nth(number).unwrap();
         let body = |tags: &[TagId], area: Area, tile| Body {
             slot: None,
@@ -213,7 +213,8 @@ impl Oracle<'_> {
             for row in 0..map.rows {
                 for column in 0..map.columns {
                     let tags = &map.kinds[usize::from(map.cells[row * map.columns + column])].tags;
-                    if !tags.is_empty() {
+                    let is_there = !state.broken.contains_key(&(number, row * map.columns + column));
+                    if is_there && !tags.is_empty() {
                         let (width, height) = map.tile;
                         let area = Area {
                             left: column as f64 * width,
@@ -228,6 +229,20 @@ impl Oracle<'_> {
         }
         let size = space.map.as_ref().map_or((0, 0), |map| (map.columns as i64, map.rows as i64));
         bodies.into_iter().flat_map(|body| self.repeated(body, size)).collect()
+    }
+
+    /// The space and the cell of a tile.
+    fn cell(&self, body: &Body) -> Option<(usize, usize)> {
+        let (space, (column, row)) = (body.space?, body.tile?);
+        let map = self.space(space).map.as_ref()?;
+        let (column, row) = (column.rem_euclid(map.columns as i64), row.rem_euclid(map.rows as i64));
+        Some((space, row as usize * map.columns + column as usize))
+    }
+
+    /// Whether the tile of a cell can be broken, and how.
+    pub fn breakable(&self, space: usize, cell: usize) -> Option<Breakable> {
+        let map = self.space(space).map.as_ref()?;
+        map.kinds[usize::from(map.cells[cell])].breakable
     }
 
     /// The response to a contact: the strongest of all matching lines; and whether the first body has left tags of such
@@ -398,11 +413,21 @@ impl Oracle<'_> {
             for (mine, other, side, may_stand) in sides {
                 let Some(slot) = mine.slot else { continue };
                 let thing = state.things[slot].as_mut().unwrap();
+                let along = match side {
+                    Side::Left | Side::Right => {
+                        mine.area.top.min(other.area.top) - mine.area.bottom.max(other.area.bottom)
+                    }
+                    Side::Above | Side::Below => {
+                        mine.area.right.min(other.area.right) - mine.area.left.max(other.area.left)
+                    }
+                };
+                let cell = self.cell(other).filter(|(space, cell)| self.breakable(*space, *cell).is_some());
                 thing.contacts.insert(Contact {
                     mine: mine.tags.clone(),
                     other: other.tags.clone(),
                     side,
                     who: other.slot,
+                    tile: cell.map(|(_, cell)| Along { length: (along + 0.0).to_bits(), cell }),
                 });
                 let stands = meeting.response.carry && may_stand && side == Side::Below && !mine.fixed;
                 if let Some(on) = other.slot.filter(|on| stands && thing.carrier.is_none_or(|c| *on < c)) {

@@ -1,13 +1,14 @@
 //! Comparison of the simulator's states with those of the reference interpreter, to the bit.
 
-use hypedc::ir::{Id, Program, SlotId, WorldId};
+use hypedc::ir::{Id, Program, SlotId, SpaceId, WorldId};
 use hypedc::sema::checked::Checked;
 use hypedc::sim::state::real;
 use hypedc::sim::{DrawId, FaultKind, Input, PlayerInput, Simulator};
 use rand::{Rng, RngExt};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::evaluate::touching;
+use super::evaluate::{longest, touching};
 use super::model::{Fault, Keys, Moves, Oracle, State};
 
 /// Converts the input of a step for the simulator.
@@ -162,12 +163,17 @@ pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
             let mine: Vec<_> = touch.mine.iter().collect();
             let mine = if let [only] = mine.as_slice() { Some(*only) } else { None };
             let answers = || touching(thing, mine, touch.other, touch.side);
-            let ours = answers().any(|c| !touch.bound || c.who.is_some());
+            let ours = answers().any(|c| !touch.bound || c.who.is_some() || c.tile.is_some());
             differs(format!("{touch:?}"), layout.touch(state, id).to_string(), ours.to_string());
             if touch.bound {
                 let theirs = layout.touched(state, id).map(SlotId::index);
                 let ours = answers().filter_map(|c| c.who).min();
                 differs(format!("{touch:?} by"), format!("{theirs:?}"), format!("{ours:?}"));
+                let place = |tile| sim.place_of_tile(tile).map(|(_, column, row)| (column, row));
+                let theirs = layout.touched_tile(state, id).and_then(place);
+                let columns = world.spaces[layout.space(state)].map.as_ref().map_or(1, |map| map.columns);
+                let ours = longest(answers().filter_map(|c| c.tile)).map(|cell| (cell % columns, cell / columns));
+                differs(format!("{touch:?} by the tile"), format!("{theirs:?}"), format!("{ours:?}"));
             }
         }
         for (id, signal) in entity.signals.pairs() {
@@ -180,6 +186,19 @@ pub fn differences(sim: &Simulator, state: &[u8], ours: &State) -> Vec<String> {
         }
         let theirs = layout.carrier(state).map(SlotId::index);
         differs("carrier".into(), format!("{theirs:?}"), format!("{:?}", thing.carrier));
+    }
+    let columns = |space: SpaceId| world.spaces[space].map.as_ref().map_or(1, |map| map.columns);
+    let theirs: BTreeMap<(usize, usize), u16> = sim
+        .broken_tiles(state)
+        .into_iter()
+        .filter_map(|tile| {
+            let (space, column, row) = sim.place_of_tile(tile)?;
+            Some(((space.index(), row * columns(space) + column), sim.steps_until_restored(state, tile)))
+        })
+        .collect();
+    let ours: BTreeMap<(usize, usize), u16> = ours.broken.iter().map(|(at, left)| (*at, left.unwrap_or(0))).collect();
+    if theirs != ours {
+        all.push(format!("broken tiles: simulator {theirs:?}, interpreter {ours:?}"));
     }
     all
 }

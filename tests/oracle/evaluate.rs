@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use hypedc::sema::checked::{BoundProbe, Probe, Term, TermKind};
 
-use super::model::{Contact, Fault, Keys, Oracle, State, Thing};
+use super::model::{Along, Contact, Fault, Keys, Oracle, State, Thing};
 use super::probe::Taken;
 use super::step::Passing;
 
@@ -59,6 +59,32 @@ impl<'a> Code<'a> {
             Ok(Taken::ByInstance(slot)) => Some(slot),
             _ => None,
         }
+    }
+
+    /// The space and the cell of the tile that a term names, where it names no instance.
+    pub fn tile(&self, term: &Term) -> Option<(usize, usize)> {
+        let space = self.my()?.space;
+        match term.kind {
+            TermKind::Instance(Subject::Touched(id)) if self.touched(id).is_none() => {
+                Some((space, self.tile_touched(id)?))
+            }
+            TermKind::Instance(Subject::Probed(id)) => {
+                let BoundProbe { mine, other, offset, .. } = self.oracle.entity(self.me?).probes[id].clone();
+                match self.probe(&Probe { mine, other, offset, bound: Some(id) }) {
+                    Ok(Taken::ByTile(cell)) => Some((space, cell)),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// The cell of the tile that a contact query with a named result keeps: the one with the longest edge, then the
+    /// first.
+    pub fn tile_touched(&self, id: TouchId) -> Option<usize> {
+        let question = &self.oracle.entity(self.me?).bound[id];
+        let all = touching(self.my()?, question.mine, question.other, question.side).filter_map(|c| c.tile);
+        longest(all)
     }
 
     pub fn holds(&self, term: &Term) -> Result<bool, Fault> {
@@ -145,7 +171,7 @@ impl<'a> Code<'a> {
             TermKind::Touching(asked) => {
                 let thing = self.of(asked.of)?;
                 let mut all = touching(thing, asked.mine, asked.other, asked.side);
-                truth(all.any(|c| asked.bound.is_none() || c.who.is_some()))
+                truth(all.any(|c| asked.bound.is_none() || c.who.is_some() || c.tile.is_some()))
             }
             TermKind::Probe(asked) => truth(self.probe(asked)? != Taken::Free),
             TermKind::Joint { mode, entering } => {
@@ -167,6 +193,19 @@ impl<'a> Code<'a> {
                 }
                 count
             }
+            TermKind::Tiles(tag) => {
+                let mut count = 0.0;
+                for (number, space) in self.oracle.world.spaces.iter().enumerate() {
+                    let map = space.map.iter();
+                    for (cell, kind) in
+                        map.flat_map(|map| map.cells.iter().map(|k| &map.kinds[usize::from(*k)])).enumerate()
+                    {
+                        let is_there = !self.state.broken.contains_key(&(number, cell));
+                        count += truth(is_there && kind.tags.contains(tag));
+                    }
+                }
+                count
+            }
             TermKind::Near(asked) => {
                 let (of, [x, y, radius]) = &**asked;
                 let (at, x, y, radius) =
@@ -179,6 +218,16 @@ impl<'a> Code<'a> {
         };
         if value.is_finite() { Ok(value) } else { Err(Fault::NotFinite) }
     }
+}
+
+/// The cell of the tile along which something lies longest, of equally long ones the first.
+pub fn longest(all: impl Iterator<Item = Along>) -> Option<usize> {
+    let mut best: Option<Along> = None;
+    for Along { length, cell } in all {
+        let wins = best.is_none_or(|best| length > best.length || (length == best.length && cell < best.cell));
+        best = if wins { Some(Along { length, cell }) } else { best };
+    }
+    best.map(|best| best.cell)
 }
 
 /// The contacts that match a query.

@@ -39,6 +39,10 @@ struct Generator<'c> {
     has_button: bool,
     has_axis: bool,
     has_signals: bool,
+    /// Whether there are tiles that can be broken.
+    has_bricks: bool,
+    /// Whether a space has a map.
+    has_map: bool,
     /// Which entities have a chance.
     lucky: [bool; 3],
     /// The current group.
@@ -59,6 +63,8 @@ pub fn program(choices: &[u16]) -> String {
         has_button: true,
         has_axis: false,
         has_signals: false,
+        has_bricks: false,
+        has_map: false,
         lucky: [false; 3],
         group: 0,
         in_mode: false,
@@ -69,6 +75,7 @@ pub fn program(choices: &[u16]) -> String {
     g.has_foe = g.draw.chance(55);
     g.has_shot = g.draw.chance(30);
     g.has_signals = g.draw.chance(30);
+    g.has_bricks = g.draw.chance(25);
     for role in [Role::Hero, Role::Foe, Role::Shot] {
         g.role = role;
         g.names();
@@ -145,7 +152,13 @@ impl Generator<'_> {
         let mut all = vec!["wall", "coin", "cloud"];
         let roles = [(Role::Hero, true), (Role::Foe, self.has_foe), (Role::Shot, self.has_shot)];
         all.extend(roles.iter().filter(|(role, is)| *is && *role != self.role).map(|(role, _)| role.tag()));
+        all.extend(self.has_bricks.then_some("brick"));
         all[self.draw.pick(all.len())]
+    }
+
+    /// The side of a contact query.
+    fn side(&mut self) -> &'static str {
+        self.draw.one(&["", "", ", below", ", right", ", left", ", above"])
     }
 
     fn entity(&mut self) {
@@ -313,14 +326,28 @@ impl Generator<'_> {
     }
 
     fn edge(&mut self) -> String {
+        if self.has_bricks && self.draw.chance(30) {
+            let what =
+                self.draw.one(&["destroy e", "destroy e", "n := min(n + 1, 1); destroy e", "y' := -y'; destroy e"]);
+            if self.draw.chance(35) {
+                let probe = self.probe_of("brick");
+                let button = if self.role == Role::Hero && self.has_button { "pressed(go) and " } else { "" };
+                return format!("when {button}{probe} as e {{ {what} }}");
+            }
+            let (own, side) = (if self.draw.chance(50) { "" } else { self.role.tag() }, self.side());
+            let own = if own.is_empty() { String::new() } else { format!("{own}, ") };
+            return format!("when touching({own}brick{side}) as e {{ {what} }}");
+        }
         if self.draw.chance(6) {
             let (other, what) =
                 (self.other(), self.draw.one(&["destroy e", "n := 1; destroy e", "x := e.x", "y := e.y"]));
+            let what = if other == "brick" { "n := 1; destroy e" } else { what };
             return format!("when touching({other}) as e {{ {what} }}");
         }
         if self.draw.chance(5) {
             let (probe, what) =
                 (self.probe(), self.draw.one(&["destroy e", "n := 1", "x := e.x", "t := none; y := e.y"]));
+            let what = if probe.ends_with("brick)") { "destroy e" } else { what };
             return format!("when {probe} as e {{ {what} }}");
         }
         if self.draw.chance(5) {
@@ -464,6 +491,11 @@ impl Generator<'_> {
 
     /// Whether a place is taken.
     fn probe(&mut self) -> String {
+        let other = self.other();
+        self.probe_of(other)
+    }
+
+    fn probe_of(&mut self, other: &str) -> String {
         let offset = |g: &mut Self| match g.draw.pick(8) {
             1 => "l".into(),
             2 => "-l".into(),
@@ -476,7 +508,7 @@ impl Generator<'_> {
         };
         let (x, y) = (offset(self), offset(self));
         let mine = if self.draw.chance(10) { "coin" } else { self.role.tag() };
-        format!("touching({mine} at ({x}, {y}), {})", self.other())
+        format!("touching({mine} at ({x}, {y}), {other})")
     }
 
     fn world(&mut self) {
@@ -489,6 +521,12 @@ impl Generator<'_> {
         self.line("        '#': wall");
         self.line("        'c': cloud");
         self.line("        'o': coin");
+        if self.has_bricks {
+            let second = self.draw.one(&["coin, brick", "brick", "wall, brick"]);
+            self.line("        'b': wall, brick breakable");
+            let steps = 1 + self.draw.pick(5);
+            self.line(format!("        'r': {second} breakable restore after {steps}frames"));
+        }
         let tile_foe = self.has_foe && self.draw.chance(25);
         self.lucky[Role::Foe as usize] = self.has_foe && !tile_foe && self.draw.chance(25);
         if tile_foe {
@@ -563,6 +601,9 @@ impl Generator<'_> {
         let responses =
             ["block", "sense", "block, keep velocity", "block from above", "block, carry", "block, bounce 1"];
         let mut lines = vec![("body", "wall", 85), ("body", "coin", 60), ("body", "cloud", 40)];
+        if self.has_bricks {
+            lines.push(("body", "brick", 50));
+        }
         if self.has_foe {
             lines.extend([("body", "foe", 75), ("foe", "wall", 60), ("foe", "coin", 20)]);
         }
@@ -603,6 +644,7 @@ impl Generator<'_> {
     }
 
     fn map(&mut self, tile_foe: bool) -> (usize, usize) {
+        self.has_map = true;
         let (columns, rows) = (3 + self.draw.pick(4), 2 + self.draw.pick(3));
         self.line("        map t \"");
         for row in 0..rows {
@@ -613,6 +655,8 @@ impl Generator<'_> {
                     3 => 'c',
                     4 => 'o',
                     5 if tile_foe => 'F',
+                    10 | 11 if self.has_bricks => 'b',
+                    12 if self.has_bricks => 'r',
                     6..=9 if row + 1 == rows => '#',
                     _ => '.',
                 };
@@ -638,6 +682,14 @@ impl Generator<'_> {
 
     fn question(&mut self, who: &str, role: Role, has_foe: bool, has_cellar: bool) -> String {
         let mut out = String::new();
+        if self.has_bricks && self.draw.chance(25) {
+            let (tag, sign) = (self.draw.one(&["brick", "wall"]), self.draw.one(&["<", "<=", "==", ">", "!="]));
+            // A map without bricks has no such tag.
+            return match self.has_map {
+                true => format!("count({tag}) {sign} {}", self.draw.pick(6)),
+                false => format!("{who}.x < {}", self.length()),
+            };
+        }
         let _ = match self.draw.pick(16) {
             0..=3 => {
                 let modes: Vec<String> =

@@ -44,6 +44,16 @@ pub struct Contact {
     pub side: Side,
     /// The instance that is touched; none for a tile or a rectangle.
     pub who: Option<usize>,
+    /// The tile that is touched, if it can be broken.
+    pub tile: Option<Along>,
+}
+
+/// A touched tile: how long the edge is along which it is touched, as the bits of that number (it is not negative), and
+/// the tile's cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Along {
+    pub length: u64,
+    pub cell: usize,
 }
 
 /// An instance.
@@ -86,6 +96,8 @@ pub struct State {
     pub things: Vec<Option<Thing>>,
     /// Of each player the buttons that were down in the last step.
     pub held: Vec<BTreeSet<u32>>,
+    /// The broken tiles, by space and cell, each with the steps until it is back, if it ever is.
+    pub broken: BTreeMap<(usize, usize), Option<u16>>,
     /// What nature has drawn, during a step.
     pub drawn: Vec<Vec<i32>>,
 }

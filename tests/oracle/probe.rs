@@ -24,6 +24,8 @@ struct Form {
 pub enum Taken {
     Free,
     ByStatic,
+    /// By a tile that can be broken, given by its cell, where a name is given.
+    ByTile(usize),
     ByInstance(usize),
 }
 
@@ -34,13 +36,26 @@ impl Code<'_> {
         let (dx, dy) = (self.value(x)?, self.value(y)?);
         let me = self.me.unwrap();
         let mut first: Option<usize> = None;
+        let mut most: Option<(f64, usize)> = None;
         for own in self.forms(me, asked.mine)? {
             let there =
                 Form { left: own.left + dx, right: own.right + dx, bottom: own.bottom + dy, top: own.top + dy, ..own };
             let images = self.images(me, there);
             let overlaps = |other: Form| images.iter().any(|there| overlap(*there, self.image(me, other, [0, 0])));
-            if asked.bound.is_none() && self.statics(me, asked.other).into_iter().any(overlaps) {
+            if asked.bound.is_none() && self.statics(me, asked.other).into_iter().any(|(form, _)| overlaps(form)) {
                 return Ok(Taken::ByStatic);
+            }
+            for (form, cell) in self.statics(me, asked.other) {
+                let Some(cell) = cell.filter(|_| asked.bound.is_some()) else { continue };
+                for there in &images {
+                    let other = self.image(me, form, [0, 0]);
+                    let area = (there.right.min(other.right) - there.left.max(other.left))
+                        * (there.top.min(other.top) - there.bottom.max(other.bottom));
+                    let wins = most.is_none_or(|(known, at)| area > known || (area == known && cell < at));
+                    if overlap(*there, other) && wins {
+                        most = Some((area, cell));
+                    }
+                }
             }
             for slot in 0..self.state.things.len() {
                 let is_same_space = |slot: usize| {
@@ -60,7 +75,8 @@ impl Code<'_> {
                 }
             }
         }
-        Ok(first.map_or(Taken::Free, Taken::ByInstance))
+        let tile = most.map_or(Taken::Free, |(_, cell)| Taken::ByTile(cell));
+        Ok(first.map_or(tile, Taken::ByInstance))
     }
 
     /// A form with its lower-left corner between the borders of an instance's space, moved by whole periods.
@@ -110,10 +126,10 @@ impl Code<'_> {
         Ok(out)
     }
 
-    /// The tiles and rectangles with a tag in an instance's space.
-    fn statics(&self, slot: usize, tag: TagId) -> Vec<Form> {
-        let space = self.state.things[slot].as_ref().unwrap().space;
-        let space = self.oracle.world.spaces.iter().nth(space).unwrap();
+    /// The tiles and rectangles with a tag in an instance's space; of tiles that can be broken the cell.
+    fn statics(&self, slot: usize, tag: TagId) -> Vec<(Form, Option<usize>)> {
+        let number = self.state.things[slot].as_ref().unwrap().space;
+        let space = self.oracle.world.spaces.iter().nth(number).unwrap();
         let form = |left: f64, bottom: f64, width: f64, height: f64| Form {
             left,
             bottom,
@@ -122,13 +138,15 @@ impl Code<'_> {
             is_disc: false,
         };
         let rects = space.solids.iter().filter(|solid| solid.tags.contains(&tag));
-        let mut out: Vec<Form> = rects.map(|solid| solid.rect).map(|[x, y, w, h]| form(x, y, w, h)).collect();
+        let mut out: Vec<_> = rects.map(|solid| solid.rect).map(|[x, y, w, h]| (form(x, y, w, h), None)).collect();
         if let Some(map) = &space.map {
             for (at, kind) in map.cells.iter().enumerate() {
-                if map.kinds[usize::from(*kind)].tags.contains(&tag) {
+                let is_there = !self.state.broken.contains_key(&(number, at));
+                if is_there && map.kinds[usize::from(*kind)].tags.contains(&tag) {
                     let (column, row) = ((at % map.columns) as f64, (at / map.columns) as f64);
                     let (width, height) = map.tile;
-                    out.push(form(column * width, row * height, width, height));
+                    let cell = self.oracle.breakable(number, at).map(|_| at);
+                    out.push((form(column * width, row * height, width, height), cell));
                 }
             }
         }

@@ -71,7 +71,7 @@ impl<'p> Oracle<'p> {
                 carrier: None,
             })
         });
-        let mut state = State { things: things.collect(), held, drawn: Vec::new() };
+        let mut state = State { things: things.collect(), held, broken: BTreeMap::new(), drawn: Vec::new() };
         for slot in 0..state.things.len() {
             if state.things[slot].is_some() {
                 self.begin(&mut state, slot)?;
@@ -150,6 +150,10 @@ impl<'p> Oracle<'p> {
             thing.carrier = thing.carrier.filter(|slot| !passing.dying.contains(slot));
         }
         state.drawn.clear();
+        for left in state.broken.values_mut() {
+            *left = left.map(|left| left - 1);
+        }
+        state.broken.retain(|_, left| *left != Some(0));
         Ok((state, passing))
     }
 
@@ -320,7 +324,15 @@ impl<'p> Oracle<'p> {
                     }
                     spawns.push(Birth { by: slot, spawn, into: spawn.into });
                 }
-                Action::Destroy(what) => passing.dying.extend(code.instance(what)),
+                Action::Destroy(what) => match code.instance(what) {
+                    Some(slot) => drop(passing.dying.insert(slot)),
+                    None => {
+                        if let Some((space, cell)) = code.tile(what) {
+                            let restore = self.breakable(space, cell).unwrap().restore;
+                            state.broken.entry((space, cell)).or_insert(restore);
+                        }
+                    }
+                },
                 Action::Send(send) => {
                     let number = send.number.as_ref().map(|number| code.value(number)).transpose()?;
                     let of = &self.program.entities[send.entity];

@@ -20,6 +20,8 @@ pub struct Arena {
     thickness: f64,
     /// Whether the instance of a tile has a name.
     has_boss: bool,
+    /// Whether it has tiles that can be broken.
+    pub has_bricks: bool,
     /// The instances that are placed, each with the number of its entity.
     pub places: Vec<usize>,
     /// Position of the last one.
@@ -65,6 +67,7 @@ impl Arena {
             second: [Nothing, Map, Rects, OpenMap, File, Floor, Chamber][draw.pick(7)],
             thickness: [8.0, 2.0, 16.0, 120.0][draw.pick(4)],
             has_boss: draw.chance(10),
+            has_bricks: draw.chance(20),
             places: Vec::new(),
             last: (16.0, 16.0),
             body: [16.0; 2],
@@ -75,6 +78,7 @@ impl Arena {
     /// Nothing of its own: other options define its contents.
     pub fn clear(&mut self, links: bool) {
         (self.main, self.has_boss, self.links, self.has_attic) = (Kind::Nothing, false, links, false);
+        self.has_bricks = false;
     }
 
     /// The width of its maps, px.
@@ -129,6 +133,11 @@ impl Generator<'_> {
         let tile = number(self.arena.tile);
         self.world_line(format!("tiles t {tile} x {tile} {{"));
         self.world_line("'.': empty\n'#': wall\n'-': cloud\n'~': \"thin ice\"\n'w': wall, \"thin ice\"");
+        if self.arena.has_bricks {
+            let (first, time) = (self.draw.one(&["wall, brick", "brick"]), self.draw.one(&["0.2s", "3frames", "0.5"]));
+            self.world_line(format!("'b': {first} breakable"));
+            self.world_line(format!("'r': wall, brick breakable restore after {time}"));
+        }
         let settings = if self.draw.chance(40) { self.settings() } else { String::new() };
         self.world_line(format!("'a': spawn A{settings}"));
         self.arena.has_boss &= self.arena.is_mapped();
@@ -186,6 +195,9 @@ impl Generator<'_> {
             }
             if self.draw.chance(25) {
                 lines.push(format!("{tag} with cloud: block from above"));
+            }
+            if self.arena.has_bricks && self.draw.chance(60) {
+                lines.push(format!("{tag} with brick: {}", self.draw.one(&["block", "sense", "block, bounce 1"])));
             }
             if self.draw.chance(15) {
                 lines.push(format!("{tag} with \"thin ice\": {}", self.draw.one(&RESPONSES)));
@@ -330,6 +342,7 @@ impl Generator<'_> {
                 let chosen = match () {
                     () if is_border && is_open && self.draw.chance(25) => '.',
                     () if is_border => '#',
+                    () if self.arena.has_bricks && self.draw.chance(30) => ['b', 'r'][self.draw.pick(2)],
                     () if self.draw.chance(15) => ['#', '-', '#', '~', 'w', 'a'][self.draw.pick(6)],
                     () if boss => {
                         boss = false;
@@ -491,6 +504,9 @@ impl Generator<'_> {
         let any = self.any_plan();
         let any_name = self.plans[any].name.clone();
         let tag = self.draw.one(&["wall", "cloud", "\"thin ice\"", "a", "b", "c"]).to_string();
+        if self.arena.has_bricks && self.arena.is_mapped() && self.draw.chance(25) {
+            return format!("count(brick) {op} {}", self.draw.pick(5));
+        }
         let (x, y) = self.spot();
         let radius = self.draw.one(&["4", "0.5", "16", "0"]);
         match self.draw.pick(19) {

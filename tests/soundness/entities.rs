@@ -293,6 +293,10 @@ impl Generator<'_> {
     }
 
     fn edge(&mut self, siblings: &[String]) {
+        if self.arena.has_bricks && self.draw.chance(45) {
+            self.breaking_edge();
+            return;
+        }
         let group = self.group.unwrap_or(0);
         let is_named = self.palette.contacts && self.draw.chance(28);
         let (guard, named) = if group > 0 && self.draw.chance(15) {
@@ -330,6 +334,25 @@ impl Generator<'_> {
         if self.edge_on(&format!("when {guard}"), named, siblings) && self.draw.chance(20) {
             self.edge_on("else", None, siblings);
         }
+    }
+
+    /// An edge that breaks tiles.
+    fn breaking_edge(&mut self) {
+        let tag = self.plan().tag;
+        let guard = match self.draw.pick(3) {
+            0 => {
+                let (x, y) = (self.draw.one(&["0", "8", "-8", "16"]), self.draw.one(&["-8", "8", "-16", "0"]));
+                format!("touching({tag} at ({}, {y}), brick) as hit", self.axes.level("x", x))
+            }
+            1 => format!("touching({tag}, brick) as hit"),
+            _ => {
+                let side = self.draw.one(&["above", "below", "left", "right"]);
+                format!("touching({tag}, brick, {}) as hit", self.axes.side(side))
+            }
+        };
+        let (asked, more) =
+            (self.draw.one(&["", "", "count < 3 and "]), self.draw.one(&["", "; count += 1", "; y' := 0"]));
+        self.line(format!("when {asked}{guard} {{ destroy hit{more} }}"));
     }
 
     /// Writes an edge unless it would do nothing; returns whether it was written.

@@ -50,7 +50,7 @@ impl<'a> Eye<'a> {
         &self.program.entities[self.world.slots[slot].entity]
     }
 
-    fn instance(&self, of: Subject) -> Option<SlotId> {
+    pub fn instance(&self, of: Subject) -> Option<SlotId> {
         let mine = &self.world.layout.slots[self.me];
         match of {
             Subject::Me => Some(self.me),
@@ -58,10 +58,12 @@ impl<'a> Eye<'a> {
             Subject::Ref(id) => mine.reference(self.state, id),
             Subject::Touched(id) => mine.touched(self.state, id),
             Subject::Probed(id) => match self.program.exprs[self.entity(self.me).probes[id]] {
-                Expr::Probe { mine, other, offset, bound } => match self.look((mine, other), offset, bound)? {
-                    Place::Instance(slot) => Some(slot),
-                    Place::Free | Place::Static => None,
-                },
+                Expr::Probe { mine, other, offset, bound, tiles } => {
+                    match self.look((mine, other), offset, (bound, tiles))? {
+                        Place::Instance(slot) => Some(slot),
+                        Place::Free | Place::Static | Place::Tile => None,
+                    }
+                }
                 _ => None,
             },
         }
@@ -91,6 +93,16 @@ impl<'a> Eye<'a> {
                 let slot = self.instance(of)?;
                 self.notes.note(if of == Subject::Me { "own discrete" } else { "discrete of another" });
                 Some(f64::from(slots[slot].discrete(self.state, discrete)))
+            }
+            Expr::Broken(tag) => {
+                self.notes.note("broken tiles are counted");
+                let mut count = 0.0;
+                for (space, table) in self.world.spaces.pairs() {
+                    let Some(map) = &table.map else { continue };
+                    let has = |cell: &usize| map.kinds[usize::from(map.cells[*cell])].tags.contains(&tag);
+                    count += self.broken(space).iter().filter(|cell| has(cell)).count() as f64;
+                }
+                Some(count)
             }
             Expr::Axis(axis) => {
                 let player = self.world.slots[self.me].player;
@@ -192,8 +204,11 @@ impl<'a> Eye<'a> {
                 };
                 atom(name, holds)
             }
-            Expr::Probe { mine, other, offset, bound } => {
-                let found = self.look((mine, other), offset, bound)?;
+            Expr::Probe { mine, other, offset, bound, tiles } => {
+                let found = self.look((mine, other), offset, (bound, tiles))?;
+                if found == Place::Tile {
+                    self.notes.note("a place with a breakable tile");
+                }
                 if matches!(found, Place::Instance(_)) {
                     self.notes.note("a place with an instance");
                 }

@@ -1,6 +1,6 @@
 //! What is in the place that a probe asks about, by the definition: of the flat program, tile by tile, slot by slot.
 
-use hypedc::ir::{ColliderId, ExprId, Shape, SlotId, TagId, TagSet, VarId};
+use hypedc::ir::{BreakableTiles, ColliderId, ExprId, Id, Shape, SlotId, SpaceId, TagId, TagSet, VarId};
 
 use super::eye::Eye;
 
@@ -18,32 +18,45 @@ struct There {
 pub enum Place {
     Free,
     Static,
+    /// A tile that can be broken, where a name can stand for it.
+    Tile,
     Instance(SlotId),
 }
 
 impl Eye<'_> {
     /// What a probe finds; none if reading it stops the run.
-    pub fn look(&self, (mine, other): (TagId, TagId), offset: [ExprId; 2], bound: bool) -> Option<Place> {
+    pub fn look(
+        &self,
+        (mine, other): (TagId, TagId),
+        offset: [ExprId; 2],
+        (bound, names_tiles): (bool, bool),
+    ) -> Option<Place> {
         let by = [self.number(offset[0])?, self.number(offset[1])?];
         let space = self.world.layout.slots[self.me].space(self.state);
         let mut found = Place::Free;
+        let mut has_tile = false;
+        let broken = self.broken(space);
         let own = self.entity(self.me).colliders.pairs().filter(|(_, c)| c.tags.meets(TagSet::of(mine)));
         for (id, _) in own {
             let Some(me) = self.there(self.me, id, by)? else { continue };
             let there = &self.world.spaces[space];
+            let broken = &broken;
             let tiles = there.map.iter().flat_map(|map| {
-                map.cells.iter().enumerate().filter_map(move |(at, kind)| {
+                map.cells.iter().enumerate().filter(|(at, _)| !broken.contains(at)).filter_map(move |(at, kind)| {
                     let (column, row) = ((at % map.columns) as f64, (at / map.columns) as f64);
                     let (w, h) = map.tile;
                     let has = map.kinds[usize::from(*kind)].tags.contains(&other);
-                    has.then_some([column * w, column * w + w, row * h, row * h + h])
+                    let is_breakable = map.kinds[usize::from(*kind)].breakable.is_some();
+                    has.then_some(([column * w, column * w + w, row * h, row * h + h], is_breakable))
                 })
             });
             let rects = there.solids.iter().filter(|s| s.tags.meets(TagSet::of(other)));
-            let rects = rects.map(|s| [s.bounds.left, s.bounds.right, s.bounds.bottom, s.bounds.top]);
-            if !bound && tiles.chain(rects).any(|sides| sinks(&me, &There { sides, disc: None })) {
+            let rects = rects.map(|s| ([s.bounds.left, s.bounds.right, s.bounds.bottom, s.bounds.top], false));
+            let mut statics = tiles.chain(rects).filter(|(sides, _)| sinks(&me, &There { sides: *sides, disc: None }));
+            if !bound && statics.next().is_some() {
                 return Some(Place::Static);
             }
+            has_tile |= names_tiles && statics.any(|(_, is_breakable)| is_breakable);
             for slot in self.world.slots.ids().filter(|slot| *slot != self.me) {
                 let layout = &self.world.layout.slots[slot];
                 let is_before = !matches!(found, Place::Instance(first) if first <= slot);
@@ -60,7 +73,16 @@ impl Eye<'_> {
                 return Some(found);
             }
         }
-        Some(found)
+        Some(if found == Place::Free && has_tile { Place::Tile } else { found })
+    }
+
+    /// The cells of the broken tiles of a space.
+    pub fn broken(&self, space: SpaceId) -> Vec<usize> {
+        let Some(layout) = &self.world.layout.tiles else { return Vec::new() };
+        let is_broken = |tile: usize| self.state[layout.broken + tile / 8] >> (tile % 8) & 1 == 1;
+        let all = BreakableTiles::of(&self.world.spaces).places;
+        let broken = all.pairs().filter(|(tile, (of, _))| *of == space && is_broken(tile.index()));
+        broken.map(|(_, (_, cell))| *cell as usize).collect()
     }
 
     /// The shape of a collider, moved; none if it is not there.

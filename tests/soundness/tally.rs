@@ -165,6 +165,31 @@ impl Tally {
             }
         }
         self.watch_contacts(sim, after, input);
+        self.watch_tiles(sim, before, after);
+    }
+
+    /// Records tiles that break and come back.
+    fn watch_tiles(&self, sim: &Simulator, before: &[u8], after: &[u8]) {
+        let (was, is) = (sim.broken_tiles(before), sim.broken_tiles(after));
+        for tile in is.iter().filter(|tile| !was.contains(tile)) {
+            let comes_back = sim.steps_until_restored(after, *tile) > 0;
+            self.note(if comes_back { "a tile breaks for a time" } else { "a tile breaks for good" });
+        }
+        for tile in was.iter().filter(|tile| !is.contains(tile)) {
+            self.note("a tile is back");
+            let Some((space, column, row)) = sim.place_of_tile(*tile) else { continue };
+            let Some(map) = &sim.world().spaces[space].map else { continue };
+            let [x, y, width, height] = map.rectangle(row * map.columns + column);
+            let is_there = sim.world().slots.pairs().any(|(slot, _)| {
+                let layout = &sim.world().layout.slots[slot];
+                let at = sim.position(after, slot);
+                let is_inside = x < at.0 && at.0 < x + width && y < at.1 && at.1 < y + height;
+                layout.alive(after) && layout.space(after) == space && is_inside
+            });
+            if is_there {
+                self.note("a tile is back around a body");
+            }
+        }
     }
 
     /// Records the reason why a run stops.
@@ -281,7 +306,7 @@ impl Tally {
                         self.note("an edge of always");
                     }
                     self.note_else(sim, &entity.edges[edge]);
-                    self.watch_actions(sim, before, slot, &entity.edges[edge].actions);
+                    self.watch_actions(sim, (before, input), slot, &entity.edges[edge].actions);
                 }
             }
             if let Some(Move { edge, target, from, to }) = taken[group.index()] {
@@ -296,7 +321,7 @@ impl Tally {
                 if modes[target].chooses || modes[target].inner.is_some() {
                     self.note("an edge into a mode with modes");
                 }
-                self.watch_actions(sim, before, slot, &entity.edges[edge].actions);
+                self.watch_actions(sim, (before, input), slot, &entity.edges[edge].actions);
                 for mode in entity.leaves[to].path.iter().filter(|m| !entity.leaves[from].path.contains(m)) {
                     if !modes[*mode].entry.updates.is_empty() {
                         self.note("an entry update");
@@ -330,7 +355,7 @@ impl Tally {
         }
     }
 
-    fn watch_actions(&self, sim: &Simulator, before: &[u8], slot: SlotId, actions: &Actions) {
+    fn watch_actions(&self, sim: &Simulator, (before, input): (&[u8], &Input), slot: SlotId, actions: &Actions) {
         let entity = &sim.program().entities[sim.world().slots[slot].entity];
         for update in &actions.updates {
             self.note(match update.place {
@@ -378,12 +403,20 @@ impl Tally {
                 self.note("a signal to nobody");
             }
         }
+        let layout = &sim.world().layout.slots[slot];
+        let eye = self.eye(sim, before, input, slot, &[]);
         for destroyed in &actions.destroys {
             self.note(match destroyed {
                 RefValue::None => continue,
                 RefValue::Of(Subject::Me) => "destroy self",
-                RefValue::Of(Subject::Touched(_)) => "destroy what is touched",
-                RefValue::Of(Subject::Probed(_)) => "destroy what a probe finds",
+                RefValue::Of(Subject::Touched(id)) => match layout.touched(before, *id) {
+                    Some(_) => "destroy what is touched",
+                    None => "destroy a tile that is touched",
+                },
+                RefValue::Of(of @ Subject::Probed(_)) => match eye.instance(*of) {
+                    Some(_) => "destroy what a probe finds",
+                    None => "destroy a tile that a probe finds",
+                },
                 RefValue::Of(_) => "destroy a reference",
             });
         }
@@ -687,6 +720,14 @@ const EVENTS: &[&str] = &[
     "destroy what is touched",
     "destroy what a probe finds",
     "destroy a reference",
+    "destroy a tile that is touched",
+    "destroy a tile that a probe finds",
+    "a tile breaks for good",
+    "a tile breaks for a time",
+    "a tile is back",
+    "a tile is back around a body",
+    "a place with a breakable tile",
+    "broken tiles are counted",
     "an instance begins",
     "an instance begins where a placed one is gone",
     "an instance ends",

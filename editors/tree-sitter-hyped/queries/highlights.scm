@@ -87,10 +87,10 @@
 (bool_domain) @keyword
 [
   "with" "from" "above" "at" "by" "fixed" "directions" "attack" "decay" "sustain" "release" "accel" "over" "to" "for"
-  "legend" "tile" "vglc" "tiled" "ldtk" "level" "x"
+  "legend" "tile" "vglc" "tiled" "ldtk" "level" "x" "restore" "after"
 ] @keyword
 [(instant) (hold) (way)] @keyword
-["block" "sense" "keep" "velocity" "carry" "bounce"] @keyword.modifier
+["block" "sense" "keep" "velocity" "carry" "bounce" "breakable"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
 ["and" "or" "not" "in" "is" "as" "any" "all" "touching"] @keyword.operator
 

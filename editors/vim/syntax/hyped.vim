@@ -101,8 +101,10 @@ syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=tiles\>\ze\s\+\K/ contained nextgr
 syn match hypedTileSet /\K\k*/ contained nextgroup=hypedWidth skipwhite
 syn match hypedWidth /\K\k*\ze\s\+x\s/ contained
 syn match hypedTimes /\%([[:keyword:])]\s\+\)\@<=x\>\ze\s\+[[:keyword:](]/ contained
-syn region hypedTiles matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedExpression,hypedTile,hypedTiles
+syn region hypedTiles matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedExpression,hypedTile,hypedTileWord,hypedTiles
 syn match hypedTile /'.'\ze\s*:/ contained
+syn match hypedTileWord /\%([[:keyword:]"]\s\+\)\@<=breakable\>/ contained
+syn match hypedTileWord /\%(\<breakable\s\+\)\@<=restore\s\+after\>/ contained
 
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=collide\>/ contained nextgroup=hypedCollide skipwhite
 syn region hypedCollide keepend start=/\ze\S/ skip=/,\s*\%(\/\/.*\)\?\n/ end=/$/ end=/\ze[;}]/ contained contains=hypedWith,hypedString,hypedComment,hypedResponse
@@ -171,6 +173,7 @@ hi def link hypedLevel Statement
 hi def link hypedItem Statement
 hi def link hypedTimes Statement
 hi def link hypedWith Statement
+hi def link hypedTileWord Keyword
 hi def link hypedResponseWord StorageClass
 hi def link hypedPlace Statement
 hi def link hypedMapWord Statement

@@ -78,6 +78,7 @@ impl Reads {
             | Expr::Is(..)
             | Expr::Alive(_)
             | Expr::InMode(..)
+            | Expr::Broken(_)
             | Expr::InSpace(..) => self.others = true,
         }
         for operand in program.exprs[id].operands() {

@@ -296,7 +296,7 @@ impl<'a> CounterBounds<'a> {
             let mut kinds = tiles.tags.iter().enumerate();
             kinds.any(|(kind, tags)| meets(*tags) && tiles.has(kind)) || space.solids.iter().any(|s| meets(s.tags))
         });
-        if is_static && !touch.bound {
+        if is_static && (!touch.bound || touch.tiles) {
             return f64::INFINITY;
         }
         let mut sum = 0.0;

@@ -182,7 +182,8 @@ fn push_bound(
     }
     let is_thin = |thickness: f64| far + TOLERANCE + ROUNDING >= thickness;
     for found in summary.spaces.iter().filter_map(|s| scene.statics(me, *s)).filter(|s| s.pushes) {
-        if found.anywhere || found.thinnest.into_iter().any(is_thin) || !found.is_steady {
+        // A tile that is broken opens what is beside it, and one that comes back can come back around a body.
+        if found.breaks || found.anywhere || found.thinnest.into_iter().any(is_thin) || !found.is_steady {
             return None;
         }
     }

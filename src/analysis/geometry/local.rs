@@ -67,7 +67,8 @@ impl Surfaces {
                 return None;
             }
             let pushes = |m: &Option<Meeting>| m.is_some_and(|m| m.response.push == Push::Block);
-            let blocks: Vec<bool> = meetings.iter().map(pushes).collect();
+            let covers = |(m, lasts): (&Option<Meeting>, &bool)| pushes(m) && *lasts;
+            let blocks: Vec<bool> = meetings.iter().zip(&tiles.lasts).map(covers).collect();
             let has_solids = solids.iter().any(|s| pushes(&world.meeting(body.tags, s.tags)));
             let covered = |at: usize, side: Side| {
                 let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);

@@ -1,6 +1,7 @@
 //! Geometry: bodies, tiles, static obstacles, and summaries of all instances of a kind.
 
 pub(in crate::analysis) mod body;
+pub(in crate::analysis) mod breakable;
 pub(in crate::analysis) mod cells;
 pub(in crate::analysis) mod kind_summary;
 pub(in crate::analysis) mod local;

@@ -30,6 +30,8 @@ pub(in crate::analysis) struct Statics {
     pub slips: bool,
     /// Whether a push can end anywhere because the size of the pushed body is not constant.
     pub anywhere: bool,
+    /// Whether something that pushes it can be broken.
+    pub breaks: bool,
     /// Whether modes alone determine when the pushed bodies are active.
     pub is_steady: bool,
 }
@@ -48,6 +50,7 @@ impl Default for Statics {
             bounces: BTreeSet::new(),
             slips: false,
             anywhere: false,
+            breaks: false,
             is_steady: true,
         }
     }

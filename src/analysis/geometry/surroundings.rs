@@ -136,8 +136,8 @@ impl Surroundings {
         if let (Some(x), Some(y)) = (others[0].within(x).hull(), others[1].within(y).hull()) {
             out.push([x, y]);
         }
-        // A bound contact query names an instance.
-        if !touch.bound {
+        // A bound contact query names an instance, or a tile that can be broken.
+        if !touch.bound || touch.tiles {
             let far = contacts.longest[0].max(contacts.longest[1]);
             for (space, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
                 let mut also = contacts.obstacles.iter().filter(|(of, _)| of == space).map(|(_, s)| s);

@@ -13,6 +13,8 @@ pub(in crate::analysis) struct Tiles<'a> {
     origin: [i64; 2],
     /// The tags of each kind of tile.
     pub tags: Vec<TagSet>,
+    /// Whether each kind of tile is always there.
+    pub lasts: Vec<bool>,
 }
 
 /// Intervals along an axis, px.
@@ -23,7 +25,8 @@ impl<'a> Tiles<'a> {
         let map = world.spaces[space].map.as_ref();
         let kinds = map.iter().flat_map(|m| &m.kinds);
         let origin = map.map_or([0; 2], |map| origin(&world.spaces[space], map));
-        Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect() }
+        let lasts = kinds.clone().map(|k| k.breakable.is_none()).collect();
+        Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts }
     }
 
     /// Width and height of a tile, px.

@@ -12,6 +12,7 @@ use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
 use crate::analysis::domain::received::Received;
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::breakable;
 use crate::analysis::geometry::seam;
 use crate::analysis::geometry::surroundings::Surroundings;
 
@@ -264,6 +265,7 @@ impl<'a> Reader<'a> {
                 Some((me, _)) => Values::from(self.received.sum(self.world.slots[me].entity, sum)),
                 None => Values::all(),
             },
+            Expr::Broken(tag) => Values::from(Interval { low: 0.0, high: breakable::most_broken(self.world, tag) }),
             Expr::Axis(_) if self.has_player() => Values::from(Interval { low: -1.0, high: 1.0 }),
             Expr::Axis(_) => Values::point(0.0),
             Expr::Chance(chance) => match self.me {

@@ -27,6 +27,7 @@ struct Asked {
     tag: TagId,
     offset: [ExprId; 2],
     bound: bool,
+    tiles: bool,
 }
 
 /// A collider of another instance with the tag of a probe.
@@ -57,6 +58,8 @@ struct Overlap {
     must: [(f64, f64); 2],
     /// Outside of these it cannot.
     can: [(f64, f64); 2],
+    /// Whether the other one is always there.
+    lasts: bool,
 }
 
 /// Per axis, the positions of a lower-left corner.
@@ -136,8 +139,10 @@ impl Reader<'_> {
             moved.iter().map(move |moved| (space, *moved)).collect::<Vec<_>>()
         };
         let statics = |(space, moved): (SpaceId, Moved)| {
-            let near =
-                if asked.bound { Some(Vec::new()) } else { self.statics_near(space, &asked, &moved, moved.at(hulls)) };
+            let near = match asked.bound && !asked.tiles {
+                true => Some(Vec::new()),
+                false => self.statics_near(space, &asked, &moved, moved.at(hulls)),
+            };
             (space, moved, near)
         };
         let own = at.spaces.iter().flat_map(in_space).map(statics).collect();
@@ -145,8 +150,8 @@ impl Reader<'_> {
     }
 
     fn asked(&self, id: ExprId) -> Option<Asked> {
-        let Expr::Probe { mine, other, offset, bound } = self.program.exprs[id] else { return None };
-        Some(Asked { mine: TagSet::of(mine), other: TagSet::of(other), tag: other, offset, bound })
+        let Expr::Probe { mine, other, offset, bound, tiles } = self.program.exprs[id] else { return None };
+        Some(Asked { mine: TagSet::of(mine), other: TagSet::of(other), tag: other, offset, bound, tiles })
     }
 
     /// One's own colliders that a probe moves.
@@ -206,7 +211,7 @@ impl Reader<'_> {
         // Beyond a seam there is more.
         let Some(statics) = statics.filter(|_| !self.world.spaces[space].wraps()) else { return Truth::EITHER };
         let mut out = Truth { can_hold: false, can_fail: true };
-        if !look.asked.bound {
+        if !look.asked.bound || look.asked.tiles {
             out.can_hold = statics.iter().any(|there| there.can_be(corner));
             let mut pieces = MAX_PIECES;
             out.can_fail = !(out.can_hold && moved.is_sure && is_covered(corner, statics, &mut pieces));
@@ -232,7 +237,9 @@ impl Reader<'_> {
     fn statics_near(&self, space: SpaceId, asked: &Asked, moved: &Moved, corner: Corner) -> Option<Vec<Overlap>> {
         let space = &self.world.spaces[space];
         let near = |b: Bounds| Some(moved.overlap(&b)).filter(|there| there.can_be(corner));
-        let rects = space.solids.iter().filter(|s| s.tags.meets(asked.other)).map(|s| s.bounds);
+        // Where a name is given, only tiles that are declared breakable have one, and perhaps none of these is one.
+        let named = asked.bound;
+        let rects = space.solids.iter().filter(|s| !named && s.tags.meets(asked.other)).map(|s| s.bounds);
         let mut out: Vec<Overlap> = rects.filter_map(near).take(MAX_OBSTACLES + 1).collect();
         let has = |kind: &usize, map: &crate::ir::TileMap<TagId>| {
             map.kinds.get(*kind).is_some_and(|kind| kind.tags.contains(&asked.tag))
@@ -253,7 +260,8 @@ impl Reader<'_> {
                     if kind.is_some_and(|kind| has(&kind, map)) {
                         let (left, bottom) = (column as f64 * map.tile.0, row as f64 * map.tile.1);
                         let bounds = Bounds { left, right: left + map.tile.0, bottom, top: bottom + map.tile.1 };
-                        out.extend(near(bounds));
+                        let lasts = !named && kind.is_some_and(|kind| map.kinds[kind].breakable.is_none());
+                        out.extend(near(bounds).map(|there| Overlap { lasts, ..there }));
                     }
                 }
             }
@@ -361,7 +369,7 @@ impl Moved {
 
     /// Where its lower-left corner is if it overlaps a box.
     fn overlap(&self, b: &Bounds) -> Overlap {
-        Overlap { must: self.ends(b, |size| size.low, 1.0), can: self.ends(b, |size| size.high, -1.0) }
+        Overlap { must: self.ends(b, |size| size.low, 1.0), can: self.ends(b, |size| size.high, -1.0), lasts: true }
     }
 
     /// Per axis, the ends of its lower-left corner for a length; `sign` tells whether rounding errors narrow them.
@@ -386,14 +394,14 @@ impl Overlap {
     fn must_be(&self, corner: Corner) -> bool {
         let [x, y] = corner;
         let [(left, right), (bottom, top)] = self.must;
-        left <= x.low && x.high <= right && bottom <= y.low && y.high <= top
+        self.lasts && left <= x.low && x.high <= right && bottom <= y.low && y.high <= top
     }
 
     /// The part of some positions where it must.
     fn part(&self, corner: Corner) -> Option<Corner> {
         let within = |axis: usize| {
             let (low, high) = self.must[axis];
-            corner[axis].and(Interval { low, high }).filter(|_| low <= high)
+            corner[axis].and(Interval { low, high }).filter(|_| self.lasts && low <= high)
         };
         Some([within(0)?, within(1)?])
     }

@@ -246,10 +246,10 @@ pub struct NoInstanceTouched {
 impl Fact for NoInstanceTouched {
     fn into_diagnostic(self) -> Diagnostic {
         let NoInstanceTouched { at, tag, is_static, same, others } = self;
-        let message = format!("no instance carries the tag `{tag}`, and only an instance has a name by `as`");
+        let message = format!("no instance and no breakable tile carries the tag `{tag}`: `as` names nothing");
         let d = Diagnostic::new(Code::UncarriedTag, message)
             .at(at, if is_static { "only tiles and `rect`s have it: this never holds" } else { "this never holds" })
-            .note("tiles and `rect`s are no instances: they cannot be destroyed, read or kept in a reference");
+            .note("tiles and `rect`s are no instances: `destroy` breaks a tile that is `breakable`, and nothing else is done to them");
         if let Some((entity, tags)) = same {
             let quoted: Vec<String> = tags.iter().map(|tag| format!("`{tag}`")).collect();
             let noun = if tags.len() == 1 { "the tag" } else { "the tags" };
@@ -259,8 +259,8 @@ impl Fact for NoInstanceTouched {
         let known = if known.is_empty() { String::new() } else { format!("; it can touch {}", list(&known, "and")) };
         let collider = super::world::as_tag(&tag);
         d.help(format!(
-            "make it an entity with `collider {collider}: rect(0, 0, 16, 16)`, and write `'#': spawn ENTITY` for its \
-             tile{known}"
+            "write `'#': {collider} breakable` for its tile, which can then be destroyed; or make it an entity with \
+             `collider {collider}: rect(0, 0, 16, 16)`, and write `'#': spawn ENTITY` for its tile{known}"
         ))
     }
 }

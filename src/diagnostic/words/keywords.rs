@@ -327,6 +327,21 @@ pub const MEANINGS: &[Meaning] = &[
         "A tile set: how large its tiles are, px, and what each character of a map means. `empty` is no tag at all.",
         "tiles room 16 x 16 {\n    '.': empty\n    '#': wall\n    'S': spawn Slime\n}",
     ),
+    means(
+        "breakable",
+        "After the tags of a tile: `destroy` can break it, where `as` names it. It is one bit of the state.",
+        "'#': brick breakable",
+    ),
+    means(
+        "restore",
+        "`restore after TIME` behind `breakable`: a broken tile is back that long after it was broken.",
+        "'#': brick breakable restore after 8s",
+    ),
+    means(
+        "after",
+        "`restore after TIME` behind `breakable`: a broken tile is back that long after it was broken.",
+        "'#': brick breakable restore after 8s",
+    ),
     means("x", "Separates the width and the height of a tile, px.", "tiles room 16 x 16 { '.': empty }"),
     means(
         "limit",

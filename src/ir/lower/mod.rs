@@ -5,6 +5,7 @@ mod leaves;
 mod term;
 mod world;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::sema::checked::{self, Checked};
@@ -13,14 +14,14 @@ use crate::source::Span;
 use crate::ir::{
     Arithmetic, By, Chance, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope,
     Expr, ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
-    RareVec, Reference, Release, Shape, Signal, Sum, TagSet, Touch, verify,
+    RareVec, Reference, Release, Shape, Signal, Sum, TagId, TagSet, Touch, verify,
 };
 use term::{Context, duration, rate};
 
 /// Lowers a program that was checked without errors. Lowered parts of the checked program are dropped at once unless
 /// they are shared, as both are large for a large program.
 pub fn lower(checked: Checked) -> Program {
-    let Checked { tags, entities, worlds, dimensions, occurrences, .. } = checked;
+    let Checked { tags, entities, worlds, dimensions, occurrences, breakable, .. } = checked;
     drop((dimensions, occurrences));
     let mut program = Program { tags: tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
     program.spans.tags = tags.iter().map(|t| t.span).collect();
@@ -30,10 +31,10 @@ pub fn lower(checked: Checked) -> Program {
     let position = ["x", "y"].map(Arc::from);
     // Goals add contact queries to entities, so all entities come first.
     for entity in entities {
-        let id = program.entities.push(shell(&entity, &position).into());
+        let id = program.entities.push(shell(&entity, &position, &breakable).into());
         program.spans.entities.push(spans(&entity).into());
         let from = ExprId::from_index(program.exprs.len());
-        entity_code(&mut program, id, Arc::unwrap_or_clone(entity));
+        entity_code(&mut program, id, Arc::unwrap_or_clone(entity), &breakable);
         let to = ExprId::from_index(program.exprs.len());
         program.timer_thresholds(id, from, to);
         program.entity_mut(id).code = IdRange::new(from, to);
@@ -50,8 +51,9 @@ pub fn lower(checked: Checked) -> Program {
     program
 }
 
-/// An entity's names and sizes, without code; `position` holds the names of its first variables.
-fn shell(e: &checked::Entity, position: &[Arc<str>; 2]) -> Entity {
+/// An entity's names and sizes, without code; `position` holds the names of its first variables, `breakable` the tags of
+/// tiles that can be broken.
+fn shell(e: &checked::Entity, position: &[Arc<str>; 2], breakable: &BTreeSet<TagId>) -> Entity {
     let discretes = e.discretes.iter().map(|d| Discrete {
         name: d.name.text.to_string(),
         domain: match d.ty {
@@ -86,7 +88,10 @@ fn shell(e: &checked::Entity, position: &[Arc<str>; 2]) -> Entity {
         touches: e
             .bound
             .iter()
-            .map(|b| Touch { mine: b.mine.map_or(TagSet::ALL, TagSet::of), other: b.other, side: b.side, bound: true })
+            .map(|b| {
+                let mine = b.mine.map_or(TagSet::ALL, TagSet::of);
+                Touch { mine, other: b.other, side: b.side, bound: true, tiles: breakable.contains(&b.other) }
+            })
             .collect(),
         bound: e.bound.len(),
         probes: RareVec::new(),
@@ -132,8 +137,8 @@ fn spans(e: &checked::Entity) -> EntitySpans {
     }
 }
 
-fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
-    let context = Context { me: Some(id), slots: &|_| id, indestructible: &|_| false };
+fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity, breakable: &BTreeSet<TagId>) {
+    let context = Context { me: Some(id), slots: &|_| id, indestructible: &|_| false, tiles: &|_| (0, false) };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
         program.entity_mut(id).params.push(Param { name: param.name.text.to_string(), default });
@@ -148,7 +153,8 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity) {
     }
     for probe in e.probes.iter() {
         let offset = probe.offset.each_ref().map(|offset| program.term(offset, &context));
-        let probe = program.push(Expr::Probe { mine: probe.mine, other: probe.other, offset, bound: true }, probe.span);
+        let (mine, other, tiles) = (probe.mine, probe.other, breakable.contains(&probe.other));
+        let probe = program.push(Expr::Probe { mine, other, offset, bound: true, tiles }, probe.span);
         program.entity_mut(id).probes.push(probe);
     }
     for collider in e.colliders.iter() {

@@ -7,8 +7,8 @@ use crate::sema::{ConstantContext, evaluate};
 use crate::source::Span;
 
 use crate::ir::{
-    Arena, Arithmetic, Entity, EntityId, Expr, ExprId, Function, ModeId, Program, SlotId, Subject, TagSet, Timer,
-    TimerId, Touch, TouchId,
+    Arena, Arithmetic, Entity, EntityId, Expr, ExprId, Function, ModeId, Program, SlotId, Subject, TagId, TagSet,
+    Timer, TimerId, Touch, TouchId,
 };
 
 /// The context in which a term is lowered: it determines the ids of its contact queries.
@@ -19,6 +19,8 @@ pub(super) struct Context<'a> {
     pub slots: &'a dyn Fn(SlotId) -> EntityId,
     /// Whether the instance of a slot can never be destroyed.
     pub indestructible: &'a dyn Fn(SlotId) -> bool,
+    /// The number of tiles of the world with a tag, and whether any of them can be broken.
+    pub tiles: &'a dyn Fn(TagId) -> (usize, bool),
 }
 
 impl Context<'_> {
@@ -108,7 +110,7 @@ impl Program {
                 let checked::Touching { of, mine, other, side, bound } = **touching;
                 let touch = bound.unwrap_or_else(|| {
                     let mine = mine.map_or(TagSet::ALL, TagSet::of);
-                    self.touch(context.entity(of), Touch { mine, other, side, bound: false }, term.span)
+                    self.touch(context.entity(of), Touch { mine, other, side, bound: false, tiles: false }, term.span)
                 });
                 Expr::Touching(of, touch)
             }
@@ -118,11 +120,20 @@ impl Program {
                     return *probe;
                 }
                 let offset = offset.each_ref().map(|offset| self.term(offset, context));
-                Expr::Probe { mine: *mine, other: *other, offset, bound: false }
+                Expr::Probe { mine: *mine, other: *other, offset, bound: false, tiles: false }
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
             TermKind::Count(of) => return self.count(of, context, term.span),
+            TermKind::Tiles(tag) => {
+                let (count, can_break) = (context.tiles)(*tag);
+                if !can_break {
+                    return self.push(Expr::Number(count as f64), term.span);
+                }
+                let all = self.push(Expr::Number(count as f64), term.span);
+                let broken = self.push(Expr::Broken(*tag), term.span);
+                Expr::Arithmetic(Arithmetic::Subtract, all, broken)
+            }
             TermKind::Near(touching) => {
                 let (of, numbers) = touching.as_ref();
                 let [x, y, radius] = numbers.each_ref().map(|number| self.term(number, context));

@@ -2,7 +2,7 @@
 
 use crate::ir::{
     Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Limit, Link, NeverId, Origin, Player, PlayerId,
-    Predicate, Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagSet, World, WorldSpans,
+    Predicate, Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagId, TagSet, World, WorldSpans,
 };
 use crate::sema::checked;
 
@@ -25,7 +25,8 @@ pub(super) fn predicates(
     let entity_of = |slot: SlotId| w.instances[slot].entity;
     let indestructible =
         |slot: SlotId| w.instances[slot].origin == Origin::Named && !destructible[w.instances[slot].entity];
-    let context = Context { me: None, slots: &entity_of, indestructible: &indestructible };
+    let tiles = |tag| tiles(w, tag);
+    let context = Context { me: None, slots: &entity_of, indestructible: &indestructible, tiles: &tiles };
     let mut lowered = |q: &checked::Question| Predicate {
         name: q.name.text.to_string(),
         holds: program.term(&q.predicate, &context),
@@ -38,6 +39,19 @@ pub(super) fn predicates(
         links.push(guards.collect());
     }
     Predicates { goals, nevers, links }
+}
+
+/// The number of tiles of a world with a tag, and whether any of them can be broken.
+fn tiles(w: &checked::World, tag: TagId) -> (usize, bool) {
+    let (mut count, mut can_break) = (0, false);
+    for map in w.spaces.iter().filter_map(|space| space.map.as_ref()) {
+        let has: Vec<bool> = map.kinds.iter().map(|kind| kind.tags.contains(&tag)).collect();
+        for kind in map.cells.iter().map(|kind| usize::from(*kind)).filter(|kind| has[*kind]) {
+            count += 1;
+            can_break |= map.kinds[kind].breakable.is_some();
+        }
+    }
+    (count, can_break)
 }
 
 /// For each entity, whether anything may destroy an instance of it.
@@ -82,8 +96,8 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
             timer_limits: program.timer_limits(instance.entity, is_fixed(instance).then_some(&instance.params), step),
         })
         .collect();
-    let layout = Layout::new(&slots, players.len(), &program.entities);
     let spaces = w.spaces.iter().zip(predicates.links.iter()).map(|(s, links)| space(s, links)).collect();
+    let layout = Layout::new(&slots, players.len(), &program.entities, &spaces);
     let collide = w
         .collide
         .iter()

@@ -137,11 +137,16 @@ impl<'p> Code<'p> {
                 exists(entity, &program.entities)
             }
             Expr::Alive(slot) => self.subject(owner, Subject::Slot(slot)),
-            Expr::Probe { mine, other, offset, .. } => {
+            Expr::Probe { mine, other, offset, bound, tiles } => {
                 me()?;
+                ensure(bound || !tiles, "a probe that keeps nothing keeps no tile")?;
                 exists(mine, &program.tags)?;
                 exists(other, &program.tags)?;
                 ensure(offset.iter().all(|id| self.is_own(*id)), "an offset reads more than its own instance")
+            }
+            Expr::Broken(tag) => {
+                exists(tag, &program.tags)?;
+                ensure(matches!(owner, Owner::World(_)), "an entity knows no tiles")
             }
             Expr::InSpace(subject, space) => {
                 self.subject(owner, subject)?;
@@ -178,6 +183,7 @@ impl<'p> Code<'p> {
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)
+            | Expr::Broken(_)
             | Expr::InSpace(..)
             | Expr::Near { .. } => false,
             Expr::Number(_)

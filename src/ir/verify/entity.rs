@@ -111,10 +111,11 @@ impl EntityVerifier<'_> {
             ensure(is_bound, "it is not a probe that keeps whom it finds")
         })?;
         ensure(*bound <= touches.len(), "there are not as many contact queries").at("bound")?;
-        each("touches", touches, |id, Touch { mine, other, side: _, bound: keeps }| {
+        each("touches", touches, |id, Touch { mine, other, side: _, bound: keeps, tiles }| {
             tags(*mine, self.program).at("mine")?;
             exists(*other, &self.program.tags).at("other")?;
-            ensure(*keeps == (id.index() < *bound), "those that keep whom they find come first").at("bound")
+            ensure(*keeps == (id.index() < *bound), "those that keep whom they find come first").at("bound")?;
+            ensure(*keeps || !tiles, "a query that keeps nothing keeps no tile").at("tiles")
         })?;
         let numbered = self.entity.numbered_signals();
         each("signals", signals, |id, Signal { name: _, number }| {

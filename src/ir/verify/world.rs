@@ -49,7 +49,7 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
     })?;
     each("goals", goals, |_, goal| expr(goal.holds).at("holds"))?;
     each("nevers", nevers, |_, never| expr(never.holds).at("holds"))?;
-    let is_laid_out = *layout == Layout::new(slots, players.len(), &program.entities);
+    let is_laid_out = *layout == Layout::new(slots, players.len(), &program.entities, spaces);
     ensure(is_laid_out, "it is not the one that follows from the slots and the players").at("layout")?;
     spans(world, &program.spans.worlds[id]).at("spans")
 }
@@ -93,7 +93,11 @@ fn map(program: &Program, map: &TileMap<TagId>) -> Checked {
     ensure(columns.checked_mul(*rows) == Some(cells.len()), "there is not a tile for each column and row")
         .at("cells")?;
     ensure(cells.iter().all(|kind| usize::from(*kind) < kinds.len()), "a tile is of no kind").at("cells")?;
-    each_of("kinds", kinds, |kind| super::all_exist(&kind.tags, &program.tags).at("tags"))
+    each_of("kinds", kinds, |kind| {
+        let is_at_once = kind.breakable.is_some_and(|breakable| breakable.restore == Some(0));
+        ensure(!is_at_once, "a broken tile is back at once").at("breakable")?;
+        super::all_exist(&kind.tags, &program.tags).at("tags")
+    })
 }
 
 /// Checks that what repeats lies between the borders, that no rectangle is longer, and that a map fills it.

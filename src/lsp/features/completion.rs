@@ -261,6 +261,9 @@ impl CompletionCollector<'_> {
                 self.names_of_kind(NameKind::Tag);
                 self.words(&["empty", "spawn"]);
             }
+            ("breakable", _) if matches!(cursor.block(), Some(Block::Tiles | Block::Kinds)) => {
+                self.words(&["restore after"]);
+            }
             ("follow", _) => self.words(&["links"]),
             ("directions", "envelope") => self.words(&["any"]),
             ("envelope" | "clamp", _) => {

@@ -32,13 +32,11 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
         (false, _) => &["and", "or", "in", "is"],
     };
     match (first, cursor.block()) {
-        (_, Some(Block::Tiles | Block::Kinds)) => {
-            if has("spawn") {
-                &["as"]
-            } else {
-                &[]
-            }
-        }
+        (_, Some(Block::Tiles | Block::Kinds)) => match () {
+            () if has("spawn") => &["as"],
+            () if has("breakable") || !has(":") => &[],
+            () => &["breakable"],
+        },
         ("place" | "rect" | "bounds" | "collider" | "kinematic" | "link", _) if !cursor.calls.is_empty() => &[],
         _ if !cursor.calls.is_empty() => joined,
         ("goal" | "never", _) => {

@@ -88,8 +88,9 @@ impl Scene<'_> {
         let boxes = solids.chain(obstacles.map(|o| (o.tags, o.bounds)));
         let mut out: Vec<_> = boxes.map(|(tags, bounds)| (grown(bounds, extent), push(tags))).collect();
         out.retain(|(_, push)| *push != Push::Sense);
+        // What can be broken keeps nothing out.
         for wanted in [Push::Block, Push::FromAbove] {
-            let kinds: Vec<bool> = tiles.tags.iter().map(|t| push(*t) == wanted).collect();
+            let kinds: Vec<bool> = tiles.tags.iter().zip(&tiles.lasts).map(|(t, l)| *l && push(*t) == wanted).collect();
             out.extend(tiles.boxes(|kind| kinds[kind]).map(|bounds| (grown(bounds, extent), wanted)));
         }
         out.retain(|(sides, _)| sides.iter().all(|side| side.low < side.high));

@@ -27,7 +27,7 @@ impl Scene<'_> {
             let mut pushed = true;
             for (body, tags) in asking.iter().flat_map(|b| tags.iter().map(move |t| (b, *t))) {
                 let Some(meeting) = world.meeting(body.tags, tags) else { continue };
-                if touch.bound || !tags.meets(TagSet::of(touch.other)) {
+                if touch.bound && !touch.tiles || !tags.meets(TagSet::of(touch.other)) {
                     continue;
                 }
                 pushed &= meeting.response.push != Push::Sense && !body.kinematic;
@@ -86,12 +86,15 @@ impl Scene<'_> {
         }
         let beside_solids = self.world.spaces[space].solids.iter().any(|s| pushing(s.tags).is_some());
         let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| pushing(*t)).collect();
-        let blocks: Vec<bool> = meetings.iter().map(|m| m.is_some_and(|m| m.response.push == Push::Block)).collect();
+        let covers =
+            |(m, lasts): (&Option<Meeting>, &bool)| m.is_some_and(|m| m.response.push == Push::Block) && *lasts;
+        let blocks: Vec<bool> = meetings.iter().zip(&tiles.lasts).map(covers).collect();
         for (kind, meeting) in meetings.iter().enumerate().filter_map(|(k, m)| Some((k, (*m)?))) {
             if tiles.spend(&self.meter) || !tiles.has(kind) {
                 continue;
             }
             met(meeting, tiles.size());
+            out.breaks |= !tiles.lasts[kind];
             let Some(extent) = body.extent else { continue };
             for side in sides_of(meeting) {
                 let (axis, end) = face(side);

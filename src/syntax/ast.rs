@@ -561,6 +561,28 @@ pub struct Call {
     pub binding: Option<Box<Name>>,
 }
 
+/// `any Entity.x`, `all Entity.x`: what each instance has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Each {
+    /// Whether it is `all`.
+    pub is_all: bool,
+    /// The entity, and what is read of it.
+    pub path: Path,
+}
+
+/// `nearest Entity in mode within limit as binding`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearest {
+    /// The entity.
+    pub entity: Name,
+    /// The mode that it is in.
+    pub mode: Option<Path>,
+    /// The greatest distance.
+    pub within: Option<Expr>,
+    /// The bound name.
+    pub binding: Option<Name>,
+}
+
 /// The kind of an expression. There are many of them, so rare or large parts are boxed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
@@ -589,6 +611,10 @@ pub enum ExprKind {
     Any(Box<Name>),
     /// `all Entity`
     All(Box<Name>),
+    /// `any Entity.x`, `all Entity.x`
+    Each(Box<Each>),
+    /// `nearest Entity in mode within a as b`
+    Nearest(Box<Nearest>),
     /// `(a, b)`
     Point(Box<[Expr; 2]>),
     /// `a at (b, c)`: an argument, and the offset by which it is moved.

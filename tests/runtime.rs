@@ -8,6 +8,7 @@ mod allocation;
 mod conformance;
 mod embedding;
 mod examples;
+mod members;
 mod memory;
 mod probes;
 mod properties;

@@ -123,7 +123,7 @@ impl Checker<'_> {
             at,
             what: "a question to each instance",
             inside: "another one",
-            belongs: "in a condition of its own, joined by `and` or `or`",
+            belongs: "beside it, joined by `and` or `or`",
         });
     }
 
@@ -252,7 +252,7 @@ impl Checker<'_> {
         if let Some(limit) = &asked.within {
             let limit = self.number(limit, scope)?;
             if let Some(at) = reads_more(&limit) {
-                self.diagnostics.report(ForeignOffset { at });
+                self.diagnostics.report(ForeignOffset { at, what: "the distance of `nearest`" });
                 return None;
             }
             let own = |var| make(TermKind::Var(Subject::Me, var, 0), Type::Real);

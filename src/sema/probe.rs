@@ -52,7 +52,7 @@ impl Checker<'_> {
         self.facts.bindable = bindable;
         let offset = [x?, y?];
         if let Some(at) = offset.iter().find_map(reads_more) {
-            self.diagnostics.report(ForeignOffset { at });
+            self.diagnostics.report(ForeignOffset { at, what: "the offset of a probe" });
             return None;
         }
         let (mine, other) = (self.tag(&mine), self.tag(&other));

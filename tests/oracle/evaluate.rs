@@ -180,11 +180,10 @@ impl<'a> Code<'a> {
             }
             TermKind::Near(asked) => {
                 let (of, [x, y, radius]) = &**asked;
-                let (at, x, y, radius) =
-                    (self.of(*of)?.position(), self.value(x)?, self.value(y)?, self.value(radius)?);
-                let space = self.of(*of)?.space;
-                let (dx, dy) = (self.oracle.shortest(space, 0, at.0 - x), self.oracle.shortest(space, 1, at.1 - y));
-                truth(radius >= 0.0 && dx * dx + dy * dy <= radius * radius)
+                match self.slot(*of) {
+                    Some(_) => truth(self.distance(*of, x, y)? <= self.value(radius)?),
+                    None => 0.0,
+                }
             }
             TermKind::NoneRef | TermKind::Instance(_) => panic!("a reference is no number"),
         };

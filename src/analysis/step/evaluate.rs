@@ -399,7 +399,8 @@ impl<'a> Reader<'a> {
                     let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.from..m.leaves.to).next().is_some();
                     any(&o.leaves) || self.mid_step(o).is_some_and(|b| any(&b.leaves))
                 };
-                Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
+                let can_fail = !matches!(of, Subject::Member(_)) || !self.is_surely_in(mode);
+                Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail }
             }
             Expr::InSpace(of, space) => {
                 match (of, self.pinned) {

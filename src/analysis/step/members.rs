@@ -1,7 +1,7 @@
 //! Questions to the instances of an entity over sets of states, and distances. Each slot is asked by itself: it counts
 //! for certain if it cannot be empty and the condition cannot fail.
 
-use crate::ir::{EntityId, ExprId, SlotId, Subject, VarId};
+use crate::ir::{EntityId, ExprId, LeafId, ModeId, SlotId, Subject, VarId};
 
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
@@ -50,6 +50,15 @@ impl Reader<'_> {
         }
         let Truth { can_hold, can_fail } = Reader { member: Some(slot), ..*self }.truth(holds);
         Truth { can_hold, can_fail: can_fail || can_be_absent }
+    }
+
+    /// Whether the instance that is asked is in a mode for certain, as long as it lives.
+    pub(super) fn is_surely_in(&self, mode: ModeId) -> bool {
+        let Some(slot) = self.member.filter(|_| !self.is_within_step()) else { return false };
+        let entity = self.entity(slot);
+        let Some(mode) = entity.modes.get(mode) else { return false };
+        let of_group = |leaf: &&LeafId| entity.modes[entity.leaves[**leaf].mode].group == mode.group;
+        self.slots[slot].leaves.iter().filter(of_group).all(|leaf| mode.leaves.contains(*leaf))
     }
 
     /// Whether a slot can be in a space of the instance itself.

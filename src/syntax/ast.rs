@@ -6,6 +6,7 @@ use std::fmt;
 
 use crate::source::{FileId, Span};
 
+pub use super::ast_expression::*;
 pub use super::ast_path::*;
 pub use super::ast_world::*;
 pub use super::word::Word;
@@ -548,39 +549,6 @@ pub enum CompareOp {
     Greater,
     /// `>=`
     AtLeast,
-}
-
-/// `function(arguments) as binding`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Call {
-    /// What is called.
-    pub function: Name,
-    /// With what.
-    pub arguments: Box<[Expr]>,
-    /// The bound name.
-    pub binding: Option<Box<Name>>,
-}
-
-/// `any Entity.x`, `all Entity.x`: what each instance has.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Each {
-    /// Whether it is `all`.
-    pub is_all: bool,
-    /// The entity, and what is read of it.
-    pub path: Path,
-}
-
-/// `nearest Entity in mode within limit as binding`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Nearest {
-    /// The entity.
-    pub entity: Name,
-    /// The mode that it is in.
-    pub mode: Option<Path>,
-    /// The greatest distance.
-    pub within: Option<Expr>,
-    /// The bound name.
-    pub binding: Option<Name>,
 }
 
 /// The kind of an expression. There are many of them, so rare or large parts are boxed.

@@ -153,9 +153,7 @@ impl Checker<'_> {
                 });
             }
             other => {
-                let meant = match other {
-                    _ => foreign::function(other),
-                };
+                let meant = foreign::function(other);
                 let fact = unknown("function", other, function.span, FUNCTIONS.iter().copied()).suggestion(meant);
                 self.report_unknown(fact);
                 return None;

@@ -188,7 +188,7 @@ impl Checker<'_> {
             });
             return None;
         }
-        let Some(entity) = each.path.view().segments.first().cloned() else { return None };
+        let entity = each.path.view().segments.first().cloned()?;
         let fold = if each.is_all { Fold::All } else { Fold::Any };
         self.members(fold, &entity, at.to(e.span), scope, |this, _| compare(this))
             .map(|term| Term { span: e.span, ..term })

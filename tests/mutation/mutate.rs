@@ -186,6 +186,8 @@ const WORDS: &[&str] = &[
     "bounds",
     "wrap",
     "near",
+    "nearest",
+    "within",
     "x",
     "y",
     "keep",

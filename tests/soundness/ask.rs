@@ -10,7 +10,8 @@ impl Generator<'_> {
         if !self.edges.is_multiple_of(4) {
             return (guard, None);
         }
-        let turn = self.edges / 4;
+        // What has been drawn so far varies it.
+        let turn = self.edges / 4 + 5 * self.asked + 3 * self.nameable + self.counts + 7 * self.me;
         let of = turn / 3 % self.plans.len();
         let (name, tag) = (self.plans[of].name.clone(), self.plans[of].tag);
         let op = [">=", "<", "==", "!=", "<=", ">"][turn / 2 % 6];

@@ -393,13 +393,18 @@ impl CompletionCollector<'_> {
             // The offset of a probe reads only the instance itself.
             let is_offset = cursor.calls.last().is_some_and(|call| call.name == "at");
             let is_foreign = |name: &str| {
-                matches!(
-                    name,
-                    "touching" | "entering" | "exiting" | "lost" | "received" | "near" | "distance" | "count"
-                )
+                matches!(name, "touching" | "entering" | "exiting" | "lost" | "received" | "near" | "distance")
             };
-            self.functions(|name| !(matches!(name, "inside" | "rect" | "circle") || is_offset && is_foreign(name)));
-            if !is_offset {
+            // All instances of an entity are asked on edges only.
+            let first = cursor.statement.first().copied().unwrap_or_default();
+            let is_edge = matches!(first, "when" | "and" | "or" | "condition" | "follow");
+            let asks = (is_edge || cursor.block() == Some(Block::Updates)) && !is_offset;
+            self.functions(|name| match name {
+                "inside" | "rect" | "circle" => false,
+                "count" => asks,
+                _ => !(is_offset && is_foreign(name)),
+            });
+            if asks {
                 self.words(&["any", "all", "nearest"]);
             }
             self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);

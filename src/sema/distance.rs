@@ -9,7 +9,7 @@ use super::Checker;
 use super::checked::{Term, TermKind, Type};
 use super::expression::{ReadLimit, Scope};
 
-/// Whose position is meant; the references that can be none are tested before it is read, if they are `tested`.
+/// A position, and the reference that has to be asked whether it is none before the position is read.
 struct Place {
     at: [Term; 2],
     tested: Option<Subject>,

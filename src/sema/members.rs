@@ -96,8 +96,7 @@ impl Checker<'_> {
         }
         let Some(world) = scope.world else { return Some(folded(fold, entity, holds, span)) };
         let mut each = Vec::new();
-        for (slot, (_, of)) in world.instances.iter().enumerate().filter(|(_, (_, of))| *of == entity) {
-            debug_assert_eq!(*of, entity);
+        for (slot, _) in world.instances.iter().enumerate().filter(|(_, (_, of))| *of == entity) {
             let slot = SlotId(slot as u32);
             let alive = Term { kind: TermKind::Alive(slot), ty: Type::Bool, span };
             let mut asked = holds.clone();

@@ -12,6 +12,7 @@ mod by_place;
 mod false_verdicts;
 mod found;
 pub mod generate;
+mod members;
 pub mod outside;
 mod places;
 mod regions;

@@ -4,12 +4,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it says how much it has seen")]
 
+mod ask;
 mod brute;
 mod collide;
 mod compare;
 mod evaluate;
 mod flow;
 mod generate;
+mod members;
 mod model;
 mod probe;
 mod seam;

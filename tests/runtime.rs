@@ -9,6 +9,7 @@ mod breakable;
 mod conformance;
 mod embedding;
 mod examples;
+mod members;
 mod memory;
 mod probes;
 mod properties;

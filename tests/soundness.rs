@@ -12,6 +12,7 @@
 
 mod alike;
 mod arena;
+mod ask;
 mod choices;
 mod claims;
 mod consecution;

@@ -61,13 +61,15 @@
 
 (defconst hyped--functions
   '("min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held" "released"
-    "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count" "received"))
+    "touching" "timer" "entering" "exiting" "lost" "near" "distance" "inside" "count" "received"))
 
 ;; Each is (BLOCK PIECE...): the kind of the enclosing block, or `any', and the pieces of a pattern whose groups are
 ;; keywords.
 (defconst hyped--words
   '((any "\\_<\\(any\\)[ \t]+" free)
     (any "\\_<\\(all\\)[ \t]+" free)
+    (members "\\_<\\(nearest\\)[ \t]+" free)
+    (members "\\w[ \t]+\\(within\\)[ \t]+[([:word:]]")
     (any operand "\\(touching\\)\\(?:[ \t]*\"\\|[ \t]+" tag "\\)")
     (members "[\"[:word:]][ \t]+\\(at\\)[ \t]*(")
     (members "\\_<\\(initial\\)[ \t]+\\(?:mode\\|when\\)\\_>")

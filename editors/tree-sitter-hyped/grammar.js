@@ -266,7 +266,7 @@ module.exports = grammar({
     expression: $ => choice($._primary, $.unary, $.binary),
     _primary: $ => choice($._atom, $.relation),
     _atom: $ => choice(
-      $.number, $.true, $.false, $.none, $.self, $.call, $.in_mode, $.any_instance, $.timer, $.path, $.parenthesized, $.text,
+      $.number, $.true, $.false, $.none, $.self, $.call, $.in_mode, $.any_instance, $.nearest, $.timer, $.path, $.parenthesized, $.text,
     ),
     unary: $ => choice(
       prec(PREC.not, seq('not', $.expression)),
@@ -289,7 +289,7 @@ module.exports = grammar({
       seq('touching', $.tag),
     )),
     call: $ => seq(
-      field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp', 'any', 'all'), $.identifier))),
+      field('function', choice($.identifier, alias(choice('timer', 'if', 'clamp', 'any', 'all', 'nearest'), $.identifier))),
       '(',
       optional(commas(seq($.expression, optional($.moved)))),
       ')',
@@ -298,7 +298,18 @@ module.exports = grammar({
     moved: $ => seq('at', field('offset', $.expression)),
     binding: $ => seq('as', field('name', $.identifier)),
     in_mode: $ => seq('in', field('mode', $.path)),
-    any_instance: $ => seq(choice('any', 'all'), field('entity', $.identifier)),
+    any_instance: $ => seq(
+      choice('any', 'all'),
+      field('entity', $.identifier),
+      optional(seq(token.immediate('.'), field('value', $.path))),
+    ),
+    nearest: $ => prec.right(seq(
+      'nearest',
+      field('entity', $.identifier),
+      optional(seq('in', field('mode', $.path))),
+      optional(seq('within', field('distance', choice($.number, $.path, $.parenthesized)))),
+      optional($.binding),
+    )),
     timer: _ => 'timer',
     true: _ => 'true',
     false: _ => 'false',
@@ -310,7 +321,7 @@ module.exports = grammar({
 
     identifier: _ => /[\p{XID_Start}_]\p{XID_Continue}*/u,
     path: $ => seq(
-      choice($.identifier, alias(choice('any', 'all'), $.identifier)),
+      choice($.identifier, alias(choice('any', 'all', 'nearest'), $.identifier)),
       repeat(seq(token.immediate('.'), $.identifier)),
       optional($.primes),
     ),

@@ -286,6 +286,7 @@ impl ConfigurationSpace {
             pinned: None,
             me,
             tested: None,
+            member: None,
             phase: Phase::Discrete,
         }
     }

@@ -395,7 +395,8 @@ fn slot(rule: Rule) -> Slot {
         | Rule::kw_not
         | Rule::kw_in
         | Rule::word_any
-        | Rule::word_all => Slot::Value,
+        | Rule::word_all
+        | Rule::word_nearest => Slot::Value,
         _ => Slot::Mark(rule),
     }
 }

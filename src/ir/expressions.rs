@@ -79,6 +79,8 @@ impl Expr {
             }
             Expr::Call(_, args) => args.to_vec(),
             Expr::Near { of: _, x, y, radius } => vec![x, y, radius],
+            Expr::Distance { of: _, x, y } => vec![x, y],
+            Expr::Count { of: _, holds } | Expr::Nearest { of: _, holds } => vec![holds],
             Expr::Probe { offset, .. } => offset.to_vec(),
             Expr::Number(_)
             | Expr::Frames(_)

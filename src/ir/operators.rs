@@ -5,7 +5,7 @@ use std::hash::{Hash, Hasher};
 
 use serde::{Deserialize, Serialize};
 
-use super::{DiscreteId, ProbeId, RefId, SlotId, TouchId, VarId};
+use super::{DiscreteId, EntityId, ProbeId, RefId, SlotId, TouchId, VarId};
 
 /// Whose variable, contact or mode an expression reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -20,8 +20,10 @@ pub enum Subject {
     Ref(RefId),
     /// The instance that a contact query of the instance found (`touching(…) as e`).
     Touched(TouchId),
-    /// The instance that a probe of the instance finds (`touching(… at (x, y), …) as e`).
+    /// The instance that a probe of the instance finds (`touching(… at (x, y), …) as e`, `nearest … as e`).
     Probed(ProbeId),
+    /// The instance of an entity about which a question to each of them asks.
+    Member(EntityId),
 }
 
 /// Arithmetic on two numbers.

@@ -123,6 +123,22 @@ pub enum Expr {
         #[serde(default, skip_serializing_if = "is_false")]
         tiles: bool,
     },
+    /// The number of living instances of an entity for which a condition holds; it reads the instance as
+    /// [`Subject::Member`], and asks no such question itself.
+    Count {
+        /// The entity.
+        of: EntityId,
+        /// The condition.
+        holds: ExprId,
+    },
+    /// There is a living instance of an entity, in the space of the instance itself and another one, for which a
+    /// condition holds, as above. It reads nothing but the instance itself and the member.
+    Nearest {
+        /// The entity.
+        of: EntityId,
+        /// The condition.
+        holds: ExprId,
+    },
     /// A mode of another group of the instance is entered (true) or left in this step.
     Joint(ModeId, bool),
     /// A signal was sent to the instance in the step before.
@@ -151,6 +167,15 @@ pub enum Expr {
         y: ExprId,
         /// The radius.
         radius: ExprId,
+    },
+    /// The Euclidean distance of the position to (`x`, `y`), by the shorter way in a space that wraps; px.
+    Distance {
+        /// Whose position.
+        of: Subject,
+        /// The point.
+        x: ExprId,
+        /// The point.
+        y: ExprId,
     },
 }
 
@@ -196,7 +221,8 @@ pub struct Entity {
     pub touches: RareVec<TouchId, Touch>,
     /// How many of them, the first ones, keep the instance that is touched.
     pub bound: usize,
-    /// The probes that name the instance that they find: expressions of the kind `probe`.
+    /// The probes that name the instance that they find: expressions of the kinds `probe` and `nearest`. Of several
+    /// nearest instances it is the one with the lowest slot.
     #[serde(default, skip_serializing_if = "RareVec::is_none")]
     pub probes: RareVec<ProbeId, ExprId>,
     /// The modes whose time is read: one counter each.

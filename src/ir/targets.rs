@@ -8,14 +8,18 @@ impl Program {
     pub fn can_be(&self, me: EntityId, of: Subject, other: EntityId) -> bool {
         match of {
             Subject::Me => me == other,
+            Subject::Member(entity) => entity == other,
             Subject::Ref(id) => self.entities[me].refs[id].entity.is_none_or(|declared| declared == other),
             Subject::Touched(id) => {
                 let tag = TagSet::of(self.entities[me].touches[id].other);
                 self.entities[other].colliders.iter().any(|collider| collider.tags.meets(tag))
             }
             Subject::Probed(id) => self.exprs.get(self.entities[me].probes[id]).is_some_and(|probe| {
-                let Expr::Probe { other: tag, .. } = *probe else { return false };
-                let tag = TagSet::of(tag);
+                let tag = match *probe {
+                    Expr::Probe { other: tag, .. } => TagSet::of(tag),
+                    Expr::Nearest { of, .. } => return of == other,
+                    _ => return false,
+                };
                 self.entities[other].colliders.iter().any(|collider| collider.tags.meets(tag))
             }),
             Subject::Slot(_) => true,

@@ -267,6 +267,7 @@ impl EntityText<'_> {
             Subject::Ref(id) => format!("{}.", self.e.refs[id].name),
             Subject::Touched(touch) => format!("{touch}."),
             Subject::Probed(probe) => format!("{probe}."),
+            Subject::Member(_) => "each.".into(),
         }
     }
 
@@ -274,6 +275,7 @@ impl EntityText<'_> {
         let entity = |of: Subject| match of {
             Subject::Me => Some(self.e),
             Subject::Ref(id) => self.e.refs[id].entity.map(|e| &*self.p.entities[e]),
+            Subject::Member(id) => Some(&*self.p.entities[id]),
             Subject::Slot(_) | Subject::Touched(_) | Subject::Probed(_) => None,
         };
         expression(self.p, id, &entity, self.e, &|of| self.owner(of))
@@ -299,6 +301,10 @@ fn expression<'a>(
 ) -> String {
     let sub = |id| expression(p, id, entity, none, owner);
     let me = || entity(Subject::Me).unwrap_or(none);
+    let name = |of| match of {
+        Subject::Me => "self".to_string(),
+        of => owner(of).trim_end_matches('.').to_string(),
+    };
     match p.exprs[id] {
         Expr::Number(n) => n.to_string(),
         Expr::Frames(n) => format!("{n}frames"),
@@ -395,8 +401,13 @@ fn expression<'a>(
         }
         Expr::Broken(tag) => format!("broken({})", p.tags[tag]),
         Expr::InSpace(of, space) => format!("{}in {space}", owner(of)),
+        Expr::Count { of, holds } => format!("count({} where {})", p.entities[of].name, sub(holds)),
+        Expr::Nearest { of, holds } => format!("nearest({} where {})", p.entities[of].name, sub(holds)),
+        Expr::Distance { of, x, y } => {
+            format!("distance({}, ({}, {}))", name(of), sub(x), sub(y))
+        }
         Expr::Near { of, x, y, radius } => {
-            format!("near({}, ({}, {}), {})", owner(of).trim_end_matches('.'), sub(x), sub(y), sub(radius))
+            format!("near({}, ({}, {}), {})", name(of), sub(x), sub(y), sub(radius))
         }
     }
 }

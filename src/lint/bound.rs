@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::NoInstanceTouched;
 use crate::ir::TagId;
-use crate::sema::checked::{BoundTouch, Checked, Entity};
+use crate::sema::checked::{BoundProbe, BoundTouch, Checked, Entity};
 use crate::sema::side_meant;
 use crate::source::FileId;
 
@@ -30,10 +30,13 @@ pub(super) fn bound(checked: &Checked, root: FileId, found: &mut Diagnostics) {
     for entity in checked.entities.iter() {
         let mut seen: BTreeSet<TagId> = BTreeSet::new();
         let contacts = entity.bound.iter().map(|query| (query.other, query.span, Some(query)));
-        let asked = contacts.chain(entity.probes.iter().map(|probe| (probe.other, probe.span, None)));
-        for (other, at, query) in
-            asked.filter(|(other, ..)| !of_instances.contains(other) && !checked.breakable.contains(other))
-        {
+        let probes = entity.probes.iter().filter_map(|probe| match probe {
+            BoundProbe::Place(probe, span) => Some((probe.other, *span, None)),
+            BoundProbe::Nearest(..) => None,
+        });
+        let asked = contacts.chain(probes);
+        let is_known = |other: &TagId| of_instances.contains(other) || checked.breakable.contains(other);
+        for (other, at, query) in asked.filter(|(other, ..)| !is_known(other)) {
             let tag = &checked.tags[other].text;
             let is_static = of_statics.contains(&other) || checked.other_tags.contains(&**tag);
             // An imported entity may ask for more than this program has.

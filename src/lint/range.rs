@@ -121,7 +121,7 @@ pub(super) fn range(entity: &Entity, term: &Term, facts: &[Fact<'_>]) -> Range {
             let (low, high) = entity.chances[*id].range;
             Range::closed(f64::from(low), f64::from(high))
         }
-        TermKind::Timer(_) => Range::closed(0.0, f64::INFINITY),
+        TermKind::Timer(_) | TermKind::Members(_) | TermKind::Distance(_) => Range::closed(0.0, f64::INFINITY),
         TermKind::Negate(a) => of(a).map(|x| -x),
         TermKind::Arithmetic(op, sides) => {
             let [a, b] = sides.as_ref();

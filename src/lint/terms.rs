@@ -90,6 +90,11 @@ pub(super) fn same(a: &Term, b: &Term) -> bool {
         (TermKind::Compare(f, ..), TermKind::Compare(g, ..)) => f == g && inside(a, b),
         (TermKind::Call(f), TermKind::Call(g)) => f.0 == g.0 && inside(a, b),
         (TermKind::Near(f), TermKind::Near(g)) => f.0 == g.0 && inside(a, b),
+        (TermKind::Distance(f), TermKind::Distance(g)) => f.0 == g.0 && inside(a, b),
+        (TermKind::Members(f), TermKind::Members(g)) => f.of == g.of && inside(a, b),
+        (TermKind::Nearest(f), TermKind::Nearest(g)) => {
+            (f.of, f.bound.is_some()) == (g.of, g.bound.is_some()) && inside(a, b)
+        }
         (TermKind::Probe(f), TermKind::Probe(g)) => {
             (f.mine, f.other, f.bound.is_some()) == (g.mine, g.other, g.bound.is_some()) && inside(a, b)
         }

@@ -105,6 +105,7 @@ fn read(term: &TermKind) -> Option<(Subject, ReadTarget)> {
         | TermKind::InSpace(of, _) => (of, ReadTarget::Itself),
         TermKind::Touching(ref query) => (query.of, ReadTarget::Itself),
         TermKind::Near(ref query) => (query.0, ReadTarget::Itself),
+        TermKind::Distance(ref query) => (query.0, ReadTarget::Itself),
         _ => return None,
     })
 }
@@ -112,6 +113,8 @@ fn read(term: &TermKind) -> Option<(Subject, ReadTarget)> {
 /// The entity of a subject; none if it is known only at run time.
 fn owner(checked: &Checked, here: TermOwner, of: Subject) -> Option<EntityId> {
     match (here, of) {
+        (_, Subject::Member(entity)) => Some(entity),
+        (TermOwner::Entity(me), Subject::Probed(probe)) => checked.entities[me].probed(probe),
         (TermOwner::Entity(me), Subject::Me) => Some(me),
         (TermOwner::World(world), Subject::Slot(slot)) => Some(checked.worlds[world].instances[slot].entity),
         (TermOwner::Entity(me), Subject::Ref(id)) => checked.entities[me].refs[id].entity,

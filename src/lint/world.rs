@@ -47,10 +47,12 @@ fn requested(checked: &Checked) -> BTreeSet<TagId> {
             requested.insert(other);
         }
         for term in terms::of_entity(entity) {
-            terms::walk(term, &mut |term| {
-                if let TermKind::Probe(asked) = &term.kind {
-                    requested.extend([asked.mine, asked.other]);
+            terms::walk(term, &mut |term| match &term.kind {
+                TermKind::Probe(asked) => requested.extend([asked.mine, asked.other]),
+                TermKind::Touching(asked) if matches!(asked.of, Subject::Member(_)) => {
+                    requested.insert(asked.other);
                 }
+                _ => {}
             });
         }
     }

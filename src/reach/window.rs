@@ -280,7 +280,7 @@ fn slot_of(subject: Subject, me: Option<SlotId>) -> Option<SlotId> {
     match subject {
         Subject::Me => me,
         Subject::Slot(slot) => Some(slot),
-        Subject::Ref(_) | Subject::Touched(_) | Subject::Probed(_) => None,
+        Subject::Ref(_) | Subject::Touched(_) | Subject::Probed(_) | Subject::Member(_) => None,
     }
 }
 

@@ -8,7 +8,7 @@ use crate::source::Span;
 use crate::syntax::ast::{self, Expr, Name};
 
 use super::Checker;
-use super::checked::{Term, TermKind, Type, World};
+use super::checked::{BoundProbe, Term, TermKind, Type, World};
 use super::constant::ConstantContext;
 use super::expression::Scope;
 
@@ -82,8 +82,11 @@ impl Checker<'_> {
     pub(super) fn note_instance(&mut self, subject: Subject, name: &str, at: Span) {
         let tag = match subject {
             Subject::Touched(id) => self.facts.bound.get(id).map(|touch| touch.other),
-            Subject::Probed(id) => self.facts.probes.get(id).map(|probe| probe.other),
-            Subject::Me | Subject::Ref(_) | Subject::Slot(_) => None,
+            Subject::Probed(id) => match self.facts.probes.get(id) {
+                Some(BoundProbe::Place(probe, _)) => Some(probe.other),
+                Some(BoundProbe::Nearest(..)) | None => None,
+            },
+            Subject::Me | Subject::Ref(_) | Subject::Slot(_) | Subject::Member(_) => None,
         };
         if let (Some(tag), None) = (tag, self.facts.entity(subject)) {
             self.instance_uses.push(InstanceUse { tag, name: name.into(), at });

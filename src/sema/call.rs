@@ -17,8 +17,8 @@ use super::names::unknown;
 /// The names of all functions and of the atoms of guards.
 pub(crate) const FUNCTIONS: &[&str] = &[
     "min", "max", "abs", "sign", "clamp", "floor", "ceil", "round", "sqrt", "sin", "cos", "atan2", "mod", "if",
-    "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "inside", "count",
-    "received",
+    "pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "near", "distance", "inside",
+    "count", "received",
 ];
 
 impl Checker<'_> {
@@ -34,12 +34,7 @@ impl Checker<'_> {
         if let Some(binding) = binding
             && (function.text != "touching" || !self.facts.bindable)
         {
-            self.diagnostics.report(Misplaced {
-                at: binding.span,
-                what: "`as`",
-                inside: if self.conditions.are_checked() { "a condition" } else { "this expression" },
-                belongs: "after `touching(…)` in the guard of an edge, outside of `not` and `or`",
-            });
+            self.misplaced_binding(binding.span);
             return None;
         }
         let make = |kind: TermKind, ty: Type| Some(Term { kind, ty, span });
@@ -127,6 +122,7 @@ impl Checker<'_> {
                 return make(TermKind::Timer(mode), Type::Real);
             }
             "near" => return self.near(arguments, span, scope, wrong),
+            "distance" => return self.distance(arguments, span, scope, wrong),
             "count" => return self.count(arguments, span, scope, wrong),
             "received" => return self.received(arguments, span, scope),
             "inside" => {
@@ -153,15 +149,12 @@ impl Checker<'_> {
                     self.report_unknown(fact);
                     return None;
                 };
-                return self.relation(subject, span, scope, |_, slot, _| {
-                    Some(TermKind::InSpace(Subject::Slot(slot), SpaceId::from_index(space)))
+                return self.relation(subject, span, scope, |_, of, _| {
+                    Some(TermKind::InSpace(of, SpaceId::from_index(space)))
                 });
             }
             other => {
-                let meant = match other {
-                    "distance" | "dist" if scope.entity.is_some() => Some(self.distance(arguments, scope)),
-                    _ => foreign::function(other),
-                };
+                let meant = foreign::function(other);
                 let fact = unknown("function", other, function.span, FUNCTIONS.iter().copied()).suggestion(meant);
                 self.report_unknown(fact);
                 return None;
@@ -185,6 +178,16 @@ impl Checker<'_> {
             _ => Type::Real,
         };
         make(TermKind::Call(Box::new((numeric, args.into()))), ty)
+    }
+
+    /// Reports an `as` that can bind nothing.
+    pub(super) fn misplaced_binding(&mut self, at: Span) {
+        self.diagnostics.report(Misplaced {
+            at,
+            what: "`as`",
+            inside: if self.conditions.are_checked() { "a condition" } else { "this expression" },
+            belongs: "after `touching(…)` or `nearest …` in the guard of an edge, outside of `not` and `or`",
+        });
     }
 
     pub(super) fn button(

@@ -108,6 +108,9 @@ impl Term {
             | TermKind::Or(sides) => sides.as_slice(),
             TermKind::Call(call) => &call.1,
             TermKind::Near(asked) => &asked.1,
+            TermKind::Distance(asked) => &asked.1,
+            TermKind::Members(asked) => std::slice::from_ref(&asked.holds),
+            TermKind::Nearest(asked) => std::slice::from_ref(&asked.holds),
             TermKind::Probe(asked) => &asked.offset,
             TermKind::Count(of) => of,
             _ => &[],
@@ -192,6 +195,12 @@ pub enum TermKind {
     Near(Box<(Subject, [Term; 3])>),
     /// The number of tiles with a tag that are there.
     Tiles(TagId),
+    /// The Euclidean distance of the position to a point, px.
+    Distance(Box<(Subject, [Term; 2])>),
+    /// In an entity: the number of living instances of an entity for which something holds.
+    Members(Box<Members>),
+    /// There is an instance of an entity for which something holds; the nearest one is bound.
+    Nearest(Box<Nearest>),
     /// The number of truth values that hold: of the instances of a world, each asked whether it lives as well.
     #[allow(clippy::box_collection, reason = "terms are small, and there are many")]
     Count(Box<Vec<Term>>),
@@ -216,7 +225,7 @@ pub struct Entity {
     pub signals: RareVec<SignalId, Signal>,
     /// Bound contact queries (`as`).
     pub bound: RareVec<TouchId, BoundTouch>,
-    /// Bound probes (`as`).
+    /// Bound probes (`as`), and nearest instances.
     pub probes: RareVec<ProbeId, BoundProbe>,
     /// Buttons that it reads.
     pub buttons: RareVec<ButtonId, Name>,
@@ -251,6 +260,14 @@ impl Entity {
     pub fn actions(&self) -> impl Iterator<Item = &Action> {
         let entries = self.modes.iter().flat_map(|m| m.entry.iter().chain(m.follows.iter().flat_map(|f| &f.actions)));
         self.edges.iter().flat_map(|edge| &edge.actions).chain(entries)
+    }
+
+    /// The entity of the instances that a bound probe finds, if it is known.
+    pub fn probed(&self, probe: ProbeId) -> Option<EntityId> {
+        match self.probes.get(probe)? {
+            BoundProbe::Nearest(nearest, _) => Some(nearest.of),
+            BoundProbe::Place(..) => None,
+        }
     }
 
     /// The mode among siblings that is entered if no `initial when` chooses one: the one marked `initial`, else the first

@@ -1,6 +1,6 @@
 //! The checked program, continued: questions about contacts and places.
 
-use crate::ir::{ProbeId, Side, Subject, TagId, TouchId};
+use crate::ir::{EntityId, ProbeId, Side, Subject, TagId, TouchId};
 use crate::source::Span;
 
 use super::checked::Term;
@@ -46,15 +46,40 @@ pub struct BoundTouch {
     pub span: Span,
 }
 
-/// A probe bound by `as`.
+/// The living instances of an entity for which something holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Members {
+    /// The entity.
+    pub of: EntityId,
+    /// What holds; it reads the instance as [`Subject::Member`].
+    pub holds: Term,
+}
+
+/// The nearest other instance of an entity, in the same space, for which something holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearest {
+    /// The entity.
+    pub of: EntityId,
+    /// What holds; it reads the instance as [`Subject::Member`].
+    pub holds: Term,
+    /// The bound name (`as`).
+    pub bound: Option<ProbeId>,
+}
+
+/// A question bound by `as` that is answered where it is asked.
 #[derive(Debug, Clone)]
-pub struct BoundProbe {
-    /// The tag of the instance's own collider.
-    pub mine: TagId,
-    /// The tag of the instance that is there.
-    pub other: TagId,
-    /// The offset along x and y, px.
-    pub offset: [Term; 2],
+pub enum BoundProbe {
+    /// What is at a place.
+    Place(Probe, Span),
+    /// What is nearest.
+    Nearest(Nearest, Span),
+}
+
+impl BoundProbe {
     /// Its place.
-    pub span: Span,
+    pub fn span(&self) -> Span {
+        match self {
+            BoundProbe::Place(_, span) | BoundProbe::Nearest(_, span) => *span,
+        }
+    }
 }

@@ -98,6 +98,9 @@ pub fn evaluate(term: &Term, context: ConstantContext<'_>) -> Result<f64, Consta
         | TermKind::InSpace(..)
         | TermKind::Near(_)
         | TermKind::Tiles(_)
+        | TermKind::Distance(_)
+        | TermKind::Members(_)
+        | TermKind::Nearest(_)
         | TermKind::Count(_) => return Err(unknown),
     };
     if result.is_finite() { Ok(result) } else { Err(ConstantError::NotFinite(term.span)) }

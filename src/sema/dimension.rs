@@ -335,7 +335,9 @@ impl Solver<'_> {
             Subject::Me => context.me,
             Subject::Slot(slot) => Some((context.entity_of)(slot)),
             Subject::Ref(id) => context.me.and_then(|me| self.program.entities[me].refs[id].entity),
-            Subject::Touched(_) | Subject::Probed(_) => None,
+            Subject::Member(entity) => Some(entity),
+            Subject::Probed(id) => context.me.and_then(|me| self.program.entities[me].probed(id)),
+            Subject::Touched(_) => None,
         };
         match &term.kind {
             TermKind::Number(_) | TermKind::Bool(_) => None,
@@ -420,11 +422,14 @@ impl Solver<'_> {
                 Some(Dim::known(0, 0))
             }
             TermKind::Tiles(_) => Some(Dim::known(0, 0)),
-            TermKind::Near(_) | TermKind::Probe(_) => {
-                for term in term.operands() {
-                    self.place(term, &Dim::known(LENGTH.0, LENGTH.1), context);
-                }
-                None
+            TermKind::Near(_) | TermKind::Probe(_) | TermKind::Distance(_) => {
+                let length = Dim::known(LENGTH.0, LENGTH.1);
+                term.operands().iter().for_each(|term| self.place(term, &length, context));
+                matches!(term.kind, TermKind::Distance(_)).then_some(length)
+            }
+            TermKind::Members(_) | TermKind::Nearest(_) => {
+                term.operands().iter().for_each(|term| drop(self.dimension(term, context)));
+                matches!(term.kind, TermKind::Members(_)).then(|| Dim::known(0, 0))
             }
             TermKind::Button(..)
             | TermKind::Touching(_)

@@ -12,10 +12,11 @@ use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind, Name, PathRef, Uni
 use crate::syntax::occurrence::{NameKind, Role};
 
 use super::Checker;
-use super::checked::{Entity, Given, Term, TermKind, Touching, Type};
+use super::checked::{Entity, Given, Term, TermKind, Type};
 use super::constant::KNOWN_CONSTANTS;
 use super::entity::Skeleton;
 use super::foreign::suggestion;
+use super::members::touching;
 use super::mode::ModeNames;
 use super::names::{Candidate, unknown};
 
@@ -230,7 +231,10 @@ impl Checker<'_> {
     pub(super) fn term(&mut self, e: &Expr, scope: &Scope<'_>, wanted: Option<&Type>) -> Option<Term> {
         // Only conditions that the guard implies can bind a name.
         let bindable = self.facts.bindable;
-        let conjunct = matches!(&e.kind, ExprKind::Paren(_) | ExprKind::Binary(BinaryOp::And, ..) | ExprKind::Call(..));
+        let conjunct = matches!(
+            &e.kind,
+            ExprKind::Paren(_) | ExprKind::Binary(BinaryOp::And, ..) | ExprKind::Call(..) | ExprKind::Nearest(_)
+        );
         self.facts.bindable &= conjunct;
         let term = self.any_term(e, scope, wanted);
         self.facts.bindable = bindable;
@@ -285,14 +289,15 @@ impl Checker<'_> {
             }
             ExprKind::Compare(op, both) => {
                 let [a, b] = &**both;
-                self.compare(*op, a, b, scope)
+                self.of_each(e, scope, |this| this.compare(*op, a, b, scope))
             }
-            ExprKind::Chain(chain) => self.comparison(&chain.0, &chain.1, e.span, scope),
-            ExprKind::In(operands) if scope.entity.is_some() => {
+            ExprKind::Chain(chain) => self.of_each(e, scope, |this| this.comparison(&chain.0, &chain.1, e.span, scope)),
+            ExprKind::Each(each) => self.each_value(each, e.span, scope),
+            ExprKind::Nearest(asked) => self.nearest(asked, e.span, scope),
+            ExprKind::In(operands)
+                if scope.entity.is_some() && !matches!(operands.0.kind, ExprKind::Any(_) | ExprKind::All(_)) =>
+            {
                 let (subject, path) = &**operands;
-                if matches!(subject.kind, ExprKind::Any(_) | ExprKind::All(_)) {
-                    return self.allow(None, e.span, scope, ReadLimit::All, "this question about instances");
-                }
                 let (of, entity) = self.reference(subject, scope)?;
                 let Some(entity) = entity else {
                     self.of_any(subject.span, "whose modes could be asked");
@@ -321,22 +326,18 @@ impl Checker<'_> {
                 }
                 make(TermKind::Is(of, entity), Type::Bool)
             }
-            ExprKind::In(operands) => self.relation(&operands.0, e.span, scope, |this, slot, entity| {
+            ExprKind::In(operands) => self.relation(&operands.0, e.span, scope, |this, of, entity| {
                 let names = this.mode_names(entity);
                 let mode = this.mode_named(&names, &operands.1.view(), None)?;
-                Some(TermKind::InMode(Subject::Slot(slot), mode))
+                Some(TermKind::InMode(of, mode))
             }),
             ExprKind::Touching(operands) => {
                 let (subject, tag) = &**operands;
                 let other = self.tag(tag);
-                self.relation(subject, e.span, scope, |_, slot, _| {
-                    let of = Subject::Slot(slot);
-                    Some(TermKind::Touching(Box::new(Touching { of, mine: None, other, side: None, bound: None })))
-                })
+                self.relation(subject, e.span, scope, |_, of, _| Some(touching(of, other)))
             }
-            ExprKind::Any(entity) => self.any(entity, e.span, scope, |_, _, _| Some(TermKind::Bool(true))),
+            ExprKind::Any(entity) => self.any(entity, e.span, scope),
             ExprKind::All(entity) => {
-                self.allow(scope.world, e.span, scope, ReadLimit::All, "`all`")?;
                 self.diagnostics.report(TypeMismatch {
                     at: e.span,
                     found: "all instances of an entity".into(),

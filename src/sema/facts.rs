@@ -20,6 +20,8 @@ pub(super) struct Facts {
     pub bindable: bool,
     /// The bound contact queries of the entity.
     pub bound: IdVec<TouchId, BoundTouch>,
+    /// The entity whose instances a question asks one by one here.
+    pub member: Option<EntityId>,
     /// The bound probes of the entity.
     pub probes: IdVec<ProbeId, BoundProbe>,
     /// References read here that only an edge on `lost` covers.
@@ -60,6 +62,9 @@ impl Facts {
             }
             (TermKind::Probe(asked), true) => {
                 self.known.extend(asked.bound.map(|probe| (Subject::Probed(probe), None)));
+            }
+            (TermKind::Nearest(asked), true) => {
+                self.known.extend(asked.bound.map(|probe| (Subject::Probed(probe), Some(asked.of))));
             }
             _ => {}
         }

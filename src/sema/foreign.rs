@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::EntityId;
 use crate::syntax::NO_POWER;
-use crate::syntax::ast::{self, Expr, Item, MapSource, SpaceItem, TileSpawn, Word, WorldItem};
+use crate::syntax::ast::{self, Item, MapSource, SpaceItem, TileSpawn, Word, WorldItem};
 
 use super::Checker;
 use super::checked::Entity;
@@ -113,7 +113,10 @@ fn value(name: &str) -> Option<String> {
 pub(super) fn function(name: &str) -> Option<String> {
     Some(match name {
         "pow" | "sqr" | "square" => NO_POWER.into(),
-        "hypot" | "length" | "distance" | "dist" => "a distance is `sqrt(a * a + b * b)`".into(),
+        "hypot" | "length" => {
+            "the length of a way is `sqrt(a * a + b * b)`, that to an instance `distance(target)`".into()
+        }
+        "dist" => "the distance to an instance is `distance(target)`, to a point `distance((x, y))`".into(),
         "lerp" | "mix" => "between two values: `a + (b - a) * part`".into(),
         "sgn" | "signum" => "the sign is `sign(a)`".into(),
         "fabs" => "the size is `abs(a)`".into(),
@@ -188,22 +191,6 @@ impl Checker<'_> {
         let entity = entities.into_iter().find(|entity| self.value_named(*entity, name).is_some())?;
         let (instance, _) = world.instances.iter().find(|(_, of)| *of == entity)?;
         Some(format!("a predicate reads it of an instance: `{}.{name}`", instance.text))
-    }
-
-    /// How an entity compares a distance, after the arguments of a `near`.
-    pub(super) fn distance(&self, arguments: &[Expr], scope: &Scope<'_>) -> String {
-        let named = |e: &&Expr| e.name().filter(|name| self.referred(&name.text, scope).is_some());
-        let known = arguments.iter().find_map(|e| named(&e));
-        let of = known.or_else(|| arguments.first()?.name()).map_or("target".to_string(), |name| name.text.to_string());
-        let of = if of == "self" { "target".to_string() } else { of };
-        let radius = match arguments {
-            [_, .., radius] => self.sources.slice(radius.span).to_string(),
-            _ => "30".into(),
-        };
-        format!(
-            "an entity compares positions: `abs({of}.x - x) <= {radius}`, or for the distance \
-             `sqrt(({of}.x - x) * ({of}.x - x) + ({of}.y - y) * ({of}.y - y)) <= {radius}`"
-        )
     }
 
     /// The name of an entity, if a reference has a known one.

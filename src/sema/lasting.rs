@@ -196,8 +196,9 @@ impl<'t> Search<'t> {
                         let tested = guard.and_then(|guard| tested(guard, name));
                         let touched = guard.and_then(|guard| touched(guard, name));
                         match (tested.or(declared), touched) {
+                            (_, Some(Bound::Nearest(entity))) => mark(entity),
                             (Some(entity), _) => mark(entity),
-                            (None, Some(call)) => {
+                            (None, Some(Bound::Touching(call))) => {
                                 let other = other(call);
                                 let has = |body: &Body<'_>| other.is_none_or(|tag| body.tags.contains(tag));
                                 self.bodies.iter().filter(|(_, body)| has(body)).for_each(|(entity, _)| mark(entity));
@@ -312,12 +313,27 @@ fn other(call: &ast::Call) -> Option<&str> {
     tags.pop()
 }
 
+/// What a guard binds to a name.
+#[derive(Clone, Copy)]
+enum Bound<'t> {
+    /// What is touched.
+    Touching(&'t ast::Call),
+    /// An instance of an entity.
+    Nearest(&'t str),
+}
+
 /// The contact that a guard binds to a name where it holds.
-fn touched<'t>(guard: &'t Expr, name: &str) -> Option<&'t ast::Call> {
+fn touched<'t>(guard: &'t Expr, name: &str) -> Option<Bound<'t>> {
     match &guard.kind {
         ExprKind::Paren(inner) => touched(inner, name),
         ExprKind::Binary(BinaryOp::And, both) => touched(&both[0], name).or_else(|| touched(&both[1], name)),
-        ExprKind::Call(call) => call.binding.as_ref().filter(|binding| &*binding.text == name).map(|_| &**call),
+        ExprKind::Call(call) => {
+            call.binding.as_ref().filter(|binding| &*binding.text == name).map(|_| Bound::Touching(call))
+        }
+        ExprKind::Nearest(nearest) => {
+            let is_it = nearest.binding.as_ref().is_some_and(|binding| &*binding.text == name);
+            is_it.then_some(Bound::Nearest(&nearest.entity.text))
+        }
         _ => None,
     }
 }

@@ -104,6 +104,12 @@ impl Checker<'_> {
         let path = match &e.kind {
             ExprKind::Name(..) | ExprKind::Path(_) => e.path()?,
             ExprKind::Paren(inner) => return self.set_type(inner, scope),
+            ExprKind::Each(each) => {
+                let [_, name] = &*each.path.view().segments else { return None };
+                let entity = &self.checked.entities[self.facts.member?];
+                let ty = entity.discretes[entity.discretes.find(|d| d.name.text == name.text)?].ty;
+                return matches!(ty, Type::Set(_)).then_some(ty);
+            }
             ExprKind::Call(call) if call.function.text == "if" => {
                 return call.arguments.iter().skip(1).find_map(|a| self.set_type(a, scope));
             }

@@ -239,7 +239,9 @@ impl Checker<'_> {
                 let of = match subject {
                     Subject::Me => Some(id),
                     Subject::Ref(reference) => entity.refs[*reference].entity,
-                    Subject::Slot(_) | Subject::Touched(_) | Subject::Probed(_) => None,
+                    Subject::Probed(probe) => entity.probed(*probe),
+                    Subject::Member(entity) => Some(*entity),
+                    Subject::Slot(_) | Subject::Touched(_) => None,
                 };
                 match of {
                     Some(entity) => found[entity] = true,

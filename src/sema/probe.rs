@@ -52,13 +52,14 @@ impl Checker<'_> {
         self.facts.bindable = bindable;
         let offset = [x?, y?];
         if let Some(at) = offset.iter().find_map(reads_more) {
-            self.diagnostics.report(ForeignOffset { at });
+            self.diagnostics.report(ForeignOffset { at, what: "the offset of a probe" });
             return None;
         }
         let (mine, other) = (self.tag(&mine), self.tag(&other));
         let bound = binding.map(|name| {
             self.record_declaration(NameKind::Touched, name);
-            self.facts.name_probe(name, BoundProbe { mine, other, offset: offset.clone(), span })
+            let probe = Probe { mine, other, offset: offset.clone(), bound: None };
+            self.facts.name_probe(name, BoundProbe::Place(probe, span))
         });
         let kind = TermKind::Probe(Box::new(Probe { mine, other, offset, bound }));
         Some(Term { kind, ty: Type::Bool, span })
@@ -79,7 +80,7 @@ fn tag(argument: &Expr) -> Option<Name> {
 }
 
 /// Where an offset reads another instance, a contact or a transition.
-fn reads_more(term: &Term) -> Option<Span> {
+pub(super) fn reads_more(term: &Term) -> Option<Span> {
     let reads = match &term.kind {
         TermKind::Param(of, _) | TermKind::Var(of, ..) | TermKind::Discrete(of, _) | TermKind::InMode(of, _) => {
             *of != Subject::Me
@@ -112,6 +113,9 @@ fn reads_more(term: &Term) -> Option<Span> {
         | TermKind::InSpace(..)
         | TermKind::Near(_)
         | TermKind::Tiles(_)
+        | TermKind::Distance(_)
+        | TermKind::Members(_)
+        | TermKind::Nearest(_)
         | TermKind::Count(_) => true,
     };
     if reads { Some(term.span) } else { term.operands().iter().find_map(reads_more) }

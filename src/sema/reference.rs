@@ -14,7 +14,7 @@ use crate::syntax::ast::{self, Expr, ExprKind, Name};
 use crate::syntax::occurrence::Role;
 
 use super::Checker;
-use super::checked::{Action, Edge, Entity, Given, Spawn, Term, TermKind, Type};
+use super::checked::{Action, BoundProbe, Edge, Entity, Given, Spawn, Term, TermKind, Type};
 use super::entity::Skeleton;
 use super::expression::Scope;
 use super::foreign;
@@ -66,6 +66,11 @@ impl Checker<'_> {
         None
     }
 
+    /// Whether a name stands for the nearest instance of an entity.
+    fn is_nearest(&self, of: Subject) -> bool {
+        matches!(of, Subject::Probed(id) if matches!(self.facts.probes.get(id), Some(BoundProbe::Nearest(..))))
+    }
+
     /// Reports an `is` that never holds.
     pub(super) fn never_is(&mut self, of: Subject, subject: &Expr, name: &Name, known: EntityId, scope: &Scope<'_>) {
         let subject = subject.name().map(|name| name.text.to_string()).unwrap_or_default();
@@ -78,6 +83,7 @@ impl Checker<'_> {
             true => {
                 format!("`{subject}` is declared to refer to `{known}`; `ref {subject}: any` may refer to any entity")
             }
+            false if self.is_nearest(of) => format!("`nearest` names a `{known}`"),
             false => format!("here `{subject}` is known to refer to `{known}`: another `is` around this one says so"),
         };
         self.diagnostics.report(TypeMismatch {

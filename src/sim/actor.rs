@@ -248,8 +248,10 @@ pub(super) fn moves_independently(actors: &[Actor]) -> bool {
     actors.iter().all(|actor| {
         !actor.code.exprs.iter().any(|e| match *e {
             Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::Param(of, _) | Expr::InMode(of, _) => other(of),
-            Expr::Touching(of, _) | Expr::InSpace(of, _) | Expr::Near { of, .. } => other(of),
-            Expr::Probe { .. } => true,
+            Expr::Touching(of, _) | Expr::InSpace(of, _) | Expr::Near { of, .. } | Expr::Distance { of, .. } => {
+                other(of)
+            }
+            Expr::Probe { .. } | Expr::Count { .. } | Expr::Nearest { .. } => true,
             _ => false,
         })
     })

@@ -28,6 +28,8 @@ pub(super) struct Reader<'a> {
     pub actor: Option<&'a Actor>,
     /// Its slot.
     pub me: SlotId,
+    /// The instance that a question to each asks.
+    pub member: SlotId,
     /// The expressions; the first has the id `base`.
     pub code: &'a [Expr],
     pub base: u32,
@@ -52,13 +54,18 @@ impl<'a> Reader<'a> {
             Subject::Ref(id) => self.own_layout().reference(self.state, id),
             Subject::Touched(id) => self.own_layout().touched(self.state, id),
             Subject::Probed(id) => self.probed(id),
+            Subject::Member(_) => Some(self.member),
         }
     }
 
     /// The instance that a probe finds: looked up anew, for the state that is read is the one that the guard asked.
     #[cold]
     fn probed(&self, id: ProbeId) -> Option<SlotId> {
-        match self.probe(*self.actor?.entity.probes.get(id)?) {
+        let probe = *self.actor?.entity.probes.get(id)?;
+        if let Expr::Nearest { of, holds } = *self.at(probe) {
+            return self.sim.nearest_member(self, of, holds);
+        }
+        match self.probe(probe) {
             Found::Instance(slot) => Some(slot),
             Found::Nothing | Found::Static | Found::Tile(_) => None,
         }
@@ -73,7 +80,9 @@ impl<'a> Reader<'a> {
                 Found::Tile(tile) => Some(tile),
                 Found::Nothing | Found::Static | Found::Instance(_) => None,
             },
-            RefValue::None | RefValue::Of(Subject::Me | Subject::Slot(_) | Subject::Ref(_)) => None,
+            RefValue::None | RefValue::Of(Subject::Me | Subject::Slot(_) | Subject::Ref(_) | Subject::Member(_)) => {
+                None
+            }
         }
     }
 
@@ -218,6 +227,15 @@ impl<'a> Reader<'a> {
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Broken(tag) => self.sim.broken_with(self.state, tag) as f64,
+            Expr::Count { of, holds } => self.sim.count_members(self, of, holds),
+            Expr::Distance { of, x, y } => {
+                let Some(slot) = self.instance(of) else {
+                    self.note(FaultKind::ReadNone(id));
+                    return 0.0;
+                };
+                let (x, y) = (self.number(x), self.number(y));
+                self.checked(id, self.sim.distance(self.state, slot, (x, y)), [x, y])
+            }
             Expr::Negate(a) => -self.number(a),
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (self.number(a), self.number(b));
@@ -251,6 +269,7 @@ impl<'a> Reader<'a> {
             | Expr::Alive(_)
             | Expr::InMode(..)
             | Expr::InSpace(..)
+            | Expr::Nearest { .. }
             | Expr::Near { .. } => f64::from(u8::from(self.truth(id))),
         }
     }
@@ -303,13 +322,9 @@ impl<'a> Reader<'a> {
             }
             Expr::Near { of, x, y, radius } => {
                 let Some(slot) = self.instance(of) else { return false };
-                let (px, py) = self.sim.position(self.state, slot);
-                let (mut dx, mut dy) = (px - self.number(x), py - self.number(y));
-                if let Some(seams) = &self.sim.collision.seams {
-                    [dx, dy] = seams.shortest(self.sim.layout(slot).space(self.state), [dx, dy]);
-                }
-                (dx * dx + dy * dy).sqrt() <= self.number(radius)
+                self.sim.distance(self.state, slot, (self.number(x), self.number(y))) <= self.number(radius)
             }
+            Expr::Nearest { of, holds } => self.sim.nearest_member(self, of, holds).is_some(),
             Expr::Number(_)
             | Expr::Param(..)
             | Expr::Var(..)
@@ -322,6 +337,8 @@ impl<'a> Reader<'a> {
             | Expr::Broken(_)
             | Expr::Negate(_)
             | Expr::Arithmetic(..)
+            | Expr::Count { .. }
+            | Expr::Distance { .. }
             | Expr::Call(..) => self.number(id) != 0.0,
         }
     }

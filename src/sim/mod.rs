@@ -21,6 +21,7 @@ mod fault;
 mod input;
 mod instance;
 mod life;
+mod members;
 mod probe;
 mod run;
 mod saved;

@@ -19,6 +19,7 @@ use super::evaluate::Reader;
 use super::fault::Fault;
 use super::input::{Frame, Input};
 use super::life::{Changes, Pool};
+use super::members::Members;
 use super::probe::Probes;
 use super::saved::State;
 use super::state::{Life, buttons, set_buttons};
@@ -36,6 +37,8 @@ pub struct Simulator {
     pub(super) breakables: Option<Box<Breakables>>,
     /// What probes look at, if there are any.
     pub(super) probes: Option<Box<Probes>>,
+    /// Who answers questions to each instance, if there are any.
+    pub(super) members: Option<Box<Members>>,
     /// For each entity, what a spawn may take.
     pub(super) pools: Vec<Pool>,
     /// Prepared data of each slot.
@@ -109,7 +112,9 @@ impl Simulator {
         let nevers = program.with_operands(world.nevers.iter().map(|n| n.holds).collect());
         let cost = actors.iter().map(|a| a.code.exprs.len()).sum::<usize>() + nevers.len();
         let probes = Probes::new(program, world, &collision, &actors);
+        let members = Members::new(world, &actors);
         let exprs = || actors.iter().flat_map(|actor| &actor.code.exprs);
+        let asked: u64 = members.as_ref().map_or(0, |members| exprs().map(|expr| members.cost(expr)).sum());
         let probed = probes.as_ref().map_or(0, |probes| exprs().map(|expr| probes.cost(expr)).sum());
         Simulator {
             program: Arc::clone(program),
@@ -130,8 +135,9 @@ impl Simulator {
                 .collect(),
             remembered: remembered(program),
             draws: chance::draws(program, world),
-            cost: probed + cost as u64,
+            cost: probed + asked + cost as u64,
             probes,
+            members,
         }
     }
 
@@ -171,14 +177,26 @@ impl Simulator {
         fault: &'a Cell<Option<Fault>>,
     ) -> Reader<'a> {
         let (code, base) = (&*actor.code.exprs, actor.base);
-        Reader { sim: self, state, frames, taken, fault, actor: Some(actor), me: actor.id, code, base }
+        Reader {
+            sim: self,
+            state,
+            frames,
+            taken,
+            fault,
+            actor: Some(actor),
+            me: actor.id,
+            member: actor.id,
+            code,
+            base,
+        }
     }
 
     /// A reader for expressions of the world.
     #[inline]
     pub(super) fn world_reader<'a>(&'a self, state: &'a [u8], fault: &'a Cell<Option<Fault>>) -> Reader<'a> {
         let code = self.code.as_deref().or(self.program.exprs.in_one_piece()).unwrap_or_default();
-        Reader { sim: self, state, frames: Frames::NONE, taken: &[], fault, actor: None, me: SlotId(0), code, base: 0 }
+        let (frames, me) = (Frames::NONE, SlotId(0));
+        Reader { sim: self, state, frames, taken: &[], fault, actor: None, me, member: me, code, base: 0 }
     }
 
     /// Working memory for this world.

@@ -6,6 +6,7 @@ use std::fmt;
 
 use crate::source::{FileId, Span};
 
+pub use super::ast_expression::*;
 pub use super::ast_path::*;
 pub use super::ast_world::*;
 pub use super::word::Word;
@@ -550,17 +551,6 @@ pub enum CompareOp {
     AtLeast,
 }
 
-/// `function(arguments) as binding`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Call {
-    /// What is called.
-    pub function: Name,
-    /// With what.
-    pub arguments: Box<[Expr]>,
-    /// The bound name.
-    pub binding: Option<Box<Name>>,
-}
-
 /// The kind of an expression. There are many of them, so rare or large parts are boxed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
@@ -589,6 +579,10 @@ pub enum ExprKind {
     Any(Box<Name>),
     /// `all Entity`
     All(Box<Name>),
+    /// `any Entity.x`, `all Entity.x`
+    Each(Box<Each>),
+    /// `nearest Entity in mode within a as b`
+    Nearest(Box<Nearest>),
     /// `(a, b)`
     Point(Box<[Expr; 2]>),
     /// `a at (b, c)`: an argument, and the offset by which it is moved.

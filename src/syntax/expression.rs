@@ -8,7 +8,7 @@ use pest::iterators::Pair;
 use pest::pratt_parser::{Assoc, Op, PrattParser};
 
 use super::Rule;
-use super::ast::{BinaryOp, Call, CompareOp, Expr, ExprKind, Unit};
+use super::ast::{BinaryOp, Call, CompareOp, Each, Expr, ExprKind, Nearest, Unit};
 use super::build::Builder;
 use super::part::parts;
 
@@ -144,9 +144,27 @@ impl Builder<'_> {
             Rule::path => self.path(pair)?.into(),
             Rule::in_mode => ExprKind::InMode(self.path(inner.last()?)?.into()),
             Rule::any_instance => {
-                let entity = self.name(inner.last()?).into();
+                let path = self.path(inner.last()?)?;
                 let is_all = pair.clone().into_inner().any(|p| p.as_rule() == Rule::word_all);
-                if is_all { ExprKind::All(entity) } else { ExprKind::Any(entity) }
+                let name = path.view().name();
+                match name {
+                    Some(entity) if is_all => ExprKind::All(entity.into()),
+                    Some(entity) => ExprKind::Any(entity.into()),
+                    None => ExprKind::Each(Each { is_all, path }.into()),
+                }
+            }
+            Rule::nearest => {
+                let entity = self.name(inner.iter().find(|part| part.as_rule() == Rule::name)?);
+                let (mut mode, mut within, mut binding) = (None, None, None);
+                for part in &inner {
+                    match part.as_rule() {
+                        Rule::relation_in => mode = Some(self.path(parts(part).last()?)?),
+                        Rule::within_limit => within = Some(self.atom(parts(part).first()?)?),
+                        Rule::binding => binding = parts(part).first().map(|b| self.name(b)),
+                        _ => {}
+                    }
+                }
+                ExprKind::Nearest(Nearest { entity, mode, within, binding }.into())
             }
             Rule::call => {
                 let mut arguments = Vec::with_capacity(inner.len().saturating_sub(1));

@@ -189,8 +189,8 @@ fn words(rules: &[Rule]) -> Vec<String> {
 fn starts_an_expression(rule: Rule) -> bool {
     use Rule::{
         any_instance, argument, call, callee, digits, expression, in_mode, kw_clamp, kw_false, kw_if, kw_in, kw_none,
-        kw_not, kw_self, kw_timer, kw_true, name, negative, number, open_paren, paren, path, primary, text, word_all,
-        word_any,
+        kw_not, kw_self, kw_timer, kw_true, name, nearest, negative, number, open_paren, paren, path, primary, text,
+        word_all, word_any, word_nearest,
     };
     matches!(
         rule,
@@ -202,6 +202,8 @@ fn starts_an_expression(rule: Rule) -> bool {
             | callee
             | in_mode
             | any_instance
+            | nearest
+            | word_nearest
             | kw_timer
             | path
             | paren

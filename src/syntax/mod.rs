@@ -4,6 +4,7 @@
 //! repairs unbalanced braces; then pest parses, and parts that match no rule are reported and skipped.
 
 pub mod ast;
+mod ast_expression;
 mod ast_path;
 mod ast_world;
 mod build;

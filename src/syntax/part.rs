@@ -142,6 +142,8 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_any
             | R::word_all
             | R::word_touching
+            | R::word_nearest
+            | R::word_within
     )
 }
 

@@ -289,6 +289,23 @@ impl Substitution {
             }
             ExprKind::InMode(path) => self.path(path),
             ExprKind::Any(name) | ExprKind::All(name) => self.name(name),
+            ExprKind::Each(each) => {
+                // The first name is an entity, never a parameter.
+                match &mut each.path {
+                    Path::Name(_, _, span) => self.span(span),
+                    Path::Dotted(dotted) => {
+                        dotted.segments.iter_mut().for_each(|s| self.name(s));
+                        self.span(&mut dotted.span);
+                    }
+                }
+            }
+            ExprKind::Nearest(nearest) => {
+                let super::ast::Nearest { entity, mode, within, binding } = &mut **nearest;
+                self.name(entity);
+                mode.iter_mut().for_each(|mode| self.path(mode));
+                within.iter_mut().for_each(|limit| self.expression(limit, operators));
+                binding.iter_mut().for_each(|b| self.name(b));
+            }
             ExprKind::Point(both) | ExprKind::Moved(both) => {
                 both.iter_mut().for_each(|e| self.expression(e, operators));
             }
@@ -337,6 +354,7 @@ fn count(e: &Expr) -> usize {
         ExprKind::In(operands) => count(&operands.0),
         ExprKind::Is(operands) => count(&operands.0),
         ExprKind::Touching(operands) => count(&operands.0),
+        ExprKind::Nearest(nearest) => nearest.within.as_ref().map_or(0, count),
         ExprKind::Negate(a) | ExprKind::Not(a) => 1 + count(a),
         ExprKind::Binary(_, both) | ExprKind::Compare(_, both) => 1 + both.iter().map(count).sum::<usize>(),
         ExprKind::Chain(chain) => count(&chain.0) + chain.1.iter().map(|(_, b)| 1 + count(b)).sum::<usize>(),

@@ -189,6 +189,8 @@ const WORDS: &[&str] = &[
     "bounds",
     "wrap",
     "near",
+    "nearest",
+    "within",
     "x",
     "y",
     "keep",

@@ -303,6 +303,9 @@ fn walk(term: &Term, visit: &mut dyn FnMut(&Term) -> bool) {
         }
         TermKind::Call(call) => call.1.iter().for_each(|a| walk(a, visit)),
         TermKind::Near(asked) => asked.1.iter().for_each(|a| walk(a, visit)),
+        TermKind::Distance(asked) => asked.1.iter().for_each(|a| walk(a, visit)),
+        TermKind::Members(asked) => walk(&asked.holds, visit),
+        TermKind::Nearest(asked) => walk(&asked.holds, visit),
         TermKind::Count(of) => of.iter().for_each(|a| walk(a, visit)),
         _ => {}
     }

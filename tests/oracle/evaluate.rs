@@ -17,6 +17,8 @@ pub struct Code<'a> {
     pub state: &'a State,
     /// The slot that the code runs for; none for code of the world.
     pub me: Option<usize>,
+    /// The slot that a question to each instance asks.
+    pub member: Option<usize>,
     pub keys: Option<(&'a Keys, &'a BTreeSet<u32>)>,
     /// The modes that were entered and those that were left in this step.
     pub joint: Option<(&'a BTreeSet<ModeId>, &'a BTreeSet<ModeId>)>,
@@ -37,6 +39,7 @@ impl<'a> Code<'a> {
             Subject::Ref(r) => self.my()?.refs[r.0 as usize]?,
             Subject::Touched(id) => self.touched(id)?,
             Subject::Probed(id) => self.probed(id)?,
+            Subject::Member(_) => self.member?,
         };
         self.state.things[slot].is_some().then_some(slot)
     }
@@ -54,10 +57,12 @@ impl<'a> Code<'a> {
 
     /// The first instance, by its slot, that a probe with a named result finds.
     fn probed(&self, id: ProbeId) -> Option<usize> {
-        let BoundProbe { mine, other, offset, .. } = self.oracle.entity(self.me?).probes[id].clone();
-        match self.probe(&Probe { mine, other, offset, bound: Some(id) }) {
-            Ok(Taken::ByInstance(slot)) => Some(slot),
-            _ => None,
+        match &self.oracle.entity(self.me?).probes[id] {
+            BoundProbe::Place(asked, _) => match self.probe(&Probe { bound: Some(id), ..asked.clone() }) {
+                Ok(Taken::ByInstance(slot)) => Some(slot),
+                _ => None,
+            },
+            BoundProbe::Nearest(asked, _) => self.nearest(asked).ok()?,
         }
     }
 
@@ -69,8 +74,8 @@ impl<'a> Code<'a> {
                 Some((space, self.tile_touched(id)?))
             }
             TermKind::Instance(Subject::Probed(id)) => {
-                let BoundProbe { mine, other, offset, .. } = self.oracle.entity(self.me?).probes[id].clone();
-                match self.probe(&Probe { mine, other, offset, bound: Some(id) }) {
+                let BoundProbe::Place(asked, _) = &self.oracle.entity(self.me?).probes[id] else { return None };
+                match self.probe(&Probe { bound: Some(id), ..asked.clone() }) {
                     Ok(Taken::ByTile(cell)) => Some((space, cell)),
                     _ => None,
                 }
@@ -206,13 +211,18 @@ impl<'a> Code<'a> {
                 }
                 count
             }
+            TermKind::Members(asked) => self.count(asked)?,
+            TermKind::Nearest(asked) => truth(self.nearest(asked)?.is_some()),
+            TermKind::Distance(asked) => {
+                let (of, [x, y]) = &**asked;
+                self.distance(*of, x, y)?
+            }
             TermKind::Near(asked) => {
                 let (of, [x, y, radius]) = &**asked;
-                let (at, x, y, radius) =
-                    (self.of(*of)?.position(), self.value(x)?, self.value(y)?, self.value(radius)?);
-                let space = self.of(*of)?.space;
-                let (dx, dy) = (self.oracle.shortest(space, 0, at.0 - x), self.oracle.shortest(space, 1, at.1 - y));
-                truth(radius >= 0.0 && dx * dx + dy * dy <= radius * radius)
+                match self.slot(*of) {
+                    Some(_) => truth(self.distance(*of, x, y)? <= self.value(radius)?),
+                    None => 0.0,
+                }
             }
             TermKind::NoneRef | TermKind::Instance(_) => panic!("a reference is no number"),
         };

@@ -8,14 +8,14 @@ use crate::support::draw::Draw;
 
 /// The role of an entity.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
+pub(super) enum Role {
     Hero,
     Foe,
     Shot,
 }
 
 impl Role {
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         ["Hero", "Foe", "Shot"][self as usize]
     }
 
@@ -27,18 +27,18 @@ impl Role {
 /// The step's length as a fraction.
 const STEPS: [(u32, u32); 8] = [(1, 4), (1, 10), (1, 8), (1, 60), (1, 2), (1, 20), (1, 30), (1, 1)];
 
-struct Generator<'c> {
-    draw: Draw<'c>,
+pub(super) struct Generator<'c> {
+    pub(super) draw: Draw<'c>,
     out: String,
     step: (u32, u32),
     role: Role,
     /// The modes of each entity, group by group.
     modes: [Vec<Vec<String>>; 3],
-    has_foe: bool,
-    has_shot: bool,
+    pub(super) has_foe: bool,
+    pub(super) has_shot: bool,
     has_button: bool,
     has_axis: bool,
-    has_signals: bool,
+    pub(super) has_signals: bool,
     /// Whether there are tiles that can be broken.
     has_bricks: bool,
     /// Whether a space has a map.
@@ -110,7 +110,7 @@ impl Generator<'_> {
         self.modes[role as usize] = groups;
     }
 
-    fn length(&mut self) -> String {
+    pub(super) fn length(&mut self) -> String {
         self.draw.one(&["16", "0", "8", "32", "24", "4", "48", "12", "40", "20", "2", "15", "6.5", "-8", "64"]).into()
     }
 
@@ -136,12 +136,12 @@ impl Generator<'_> {
     }
 
     /// A mode of the entity that is written, of its current group.
-    fn mode(&mut self) -> String {
+    pub(super) fn mode(&mut self) -> String {
         let modes = self.modes[self.role as usize][self.group].clone();
         modes[self.draw.pick(modes.len())].clone()
     }
 
-    fn mode_of(&mut self, role: Role) -> String {
+    pub(super) fn mode_of(&mut self, role: Role) -> String {
         let group = self.draw.pick(self.modes[role as usize].len());
         let modes = self.modes[role as usize][group].clone();
         modes[self.draw.pick(modes.len())].clone()
@@ -353,6 +353,9 @@ impl Generator<'_> {
         if self.draw.chance(5) {
             return format!("when lost(t) -> {} {{ n := 0 }}", self.mode());
         }
+        if self.draw.chance(12) {
+            return self.asking_edge();
+        }
         if self.has_signals && self.draw.chance(25) {
             return self.receiving_edge();
         }
@@ -409,7 +412,7 @@ impl Generator<'_> {
         format!("send {to}.{signal}")
     }
 
-    fn update(&mut self) -> String {
+    pub(super) fn update(&mut self) -> String {
         if self.has_signals && self.draw.chance(25) {
             return self.send();
         }

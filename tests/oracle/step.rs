@@ -120,7 +120,7 @@ impl<'p> Oracle<'p> {
 
     /// Code of an instance that reads no inputs.
     pub fn code<'a>(&'a self, state: &'a State, slot: usize) -> Code<'a> {
-        Code { oracle: self, state, me: Some(slot), keys: None, joint: None, passing: None }
+        Code { oracle: self, state, me: Some(slot), member: None, keys: None, joint: None, passing: None }
     }
 
     /// Code of an instance, with the input of its player.
@@ -453,7 +453,7 @@ impl<'p> Oracle<'p> {
 
     /// Whether a predicate of the world holds.
     pub fn predicate(&self, state: &State, term: &Term) -> Result<bool, Fault> {
-        Code { oracle: self, state, me: None, keys: None, joint: None, passing: None }.holds(term)
+        Code { oracle: self, state, me: None, member: None, keys: None, joint: None, passing: None }.holds(term)
     }
 
     /// Whether every player is inside its space's bounds: with `bounds`, neither below nor beside them.

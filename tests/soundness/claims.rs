@@ -270,7 +270,8 @@ impl Claims {
         let input = Input::nothing(world.players.len());
         for (slot, s) in world.slots.pairs().filter(|(slot, _)| world.layout.slots[*slot].alive(state)) {
             for (_, index) in proven.iter().filter(|(e, _)| *e == s.entity) {
-                let eye = Eye { program, world, state, input: &input, me: slot, taken: &[], notes: &Nobody };
+                let eye =
+                    Eye { program, world, state, input: &input, me: slot, member: None, taken: &[], notes: &Nobody };
                 let holds = program.entities[s.entity].invariants[*index];
                 if eye.truth(holds) == Some(false) {
                     return Some(format!("{}: its invariant {index} does not hold, which is proven", s.name));
@@ -291,7 +292,7 @@ impl Claims {
                 if !layout.alive(state) || !is_asked() {
                     continue;
                 }
-                let eye = Eye { program, world, state, input, me: slot, taken: &[], notes: &Nobody };
+                let eye = Eye { program, world, state, input, me: slot, member: None, taken: &[], notes: &Nobody };
                 if eye.truth(claim.part) == Some(!claim.holds) {
                     let name = &world.slots[slot].name;
                     let verb = if claim.holds { "always" } else { "never" };

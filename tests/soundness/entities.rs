@@ -331,6 +331,10 @@ impl Generator<'_> {
         } else {
             (self.guard(), None)
         };
+        let (guard, named) = match named {
+            None => self.maybe_asked(guard),
+            Some(_) => (guard, named),
+        };
         if self.edge_on(&format!("when {guard}"), named, siblings) && self.draw.chance(20) {
             self.edge_on("else", None, siblings);
         }

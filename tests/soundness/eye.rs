@@ -1,8 +1,8 @@
 //! Evaluates expressions in a state by the language's definition, independently of the simulator; reports its reads.
 
 use hypedc::ir::{
-    Arithmetic, By, CompareOp, EdgeId, Entity, Expr, ExprId, Function, Id, LeafId, MAX_AXES, ModeId, Press, Program,
-    SlotId, Subject, World, arithmetic, call, compare,
+    Arithmetic, By, CompareOp, EdgeId, Entity, EntityId, Expr, ExprId, Function, Id, LeafId, MAX_AXES, ModeId, Press,
+    Program, SlotId, Subject, VarId, World, arithmetic, call, compare,
 };
 use hypedc::sim::state::{buttons, real};
 use hypedc::sim::{DrawId, Input};
@@ -31,6 +31,8 @@ pub struct Eye<'a> {
     pub state: &'a [u8],
     pub input: &'a Input,
     pub me: SlotId,
+    /// The instance that a question to each asks.
+    pub member: Option<SlotId>,
     /// The edges that the groups of the instance take in this step.
     pub taken: &'a [Option<Move>],
     pub notes: &'a dyn Notes,
@@ -64,8 +66,10 @@ impl<'a> Eye<'a> {
                         Place::Free | Place::Static | Place::Tile => None,
                     }
                 }
+                Expr::Nearest { of, holds } => self.nearest(of, holds)?,
                 _ => None,
             },
+            Subject::Member(_) => self.member,
         }
     }
 
@@ -130,6 +134,20 @@ impl<'a> Eye<'a> {
                 let count = slots[self.me].timer(self.state, timer);
                 self.notes.note(if count == 0 { "timer at 0" } else { "timer that counts" });
                 Some(self.world.step.times(count))
+            }
+            Expr::Count { of, holds } => {
+                let count = self.members(of, holds)?.len();
+                self.notes.note(match count {
+                    0 => "a count of none",
+                    1 => "a count of one",
+                    _ => "a count of several",
+                });
+                Some(count as f64)
+            }
+            Expr::Distance { of, x, y } => {
+                let slot = self.instance(of)?;
+                self.notes.note("distance");
+                finite(self.way(slot, (self.number(x)?, self.number(y)?)))
             }
             Expr::Negate(a) => Some(-self.number(a)?),
             Expr::Sum(sum) => {
@@ -247,19 +265,53 @@ impl<'a> Eye<'a> {
             }
             Expr::Near { of, x, y, radius } => {
                 let Some(slot) = self.instance(of) else { return atom("near", false) };
-                let at = |axis: u32| slots[slot].var(self.state, hypedc::ir::VarId(axis), 0);
-                let (mut dx, mut dy) = (at(0) - self.number(x)?, at(1) - self.number(y)?);
-                // The shortest of the ways around.
-                let periods = self.world.spaces[slots[slot].space(self.state)].periods;
-                for (way, period) in [&mut dx, &mut dy].into_iter().zip(periods) {
-                    if let Some(period) = period {
-                        *way -= period.size() * (*way / period.size()).round();
-                    }
-                }
-                atom("near", (dx * dx + dy * dy).sqrt() <= self.number(radius)?)
+                let way = self.way(slot, (self.number(x)?, self.number(y)?));
+                atom("near", way <= self.number(radius)?)
+            }
+            Expr::Nearest { of, holds } => {
+                let found = self.nearest(of, holds)?;
+                atom("nearest", found.is_some())
             }
             _ => Some(self.number(id)? != 0.0),
         }
+    }
+
+    /// The instances of an entity for which something holds.
+    fn members(&self, of: EntityId, holds: ExprId) -> Option<Vec<SlotId>> {
+        let mut found = Vec::new();
+        for (slot, s) in self.world.slots.pairs() {
+            let is_one = s.entity == of && self.world.layout.slots[slot].alive(self.state);
+            if is_one && (Eye { member: Some(slot), ..*self }).truth(holds)? {
+                found.push(slot);
+            }
+        }
+        Some(found)
+    }
+
+    /// The nearest other instance in the same space for which something holds.
+    fn nearest(&self, of: EntityId, holds: ExprId) -> Option<Option<SlotId>> {
+        let slots = &self.world.layout.slots;
+        let (mine, at) = (&slots[self.me], |slot: SlotId, axis| slots[slot].var(self.state, VarId(axis), 0));
+        let me = (at(self.me, 0), at(self.me, 1));
+        let mut found = self.members(of, holds)?;
+        found.retain(|slot| *slot != self.me && slots[*slot].space(self.state) == mine.space(self.state));
+        // Stable: of several that are as near, the first slot.
+        found.sort_by(|a, b| self.way(*a, me).total_cmp(&self.way(*b, me)));
+        Some(found.first().copied())
+    }
+
+    /// The distance of an instance to a point, by the shortest way around.
+    fn way(&self, slot: SlotId, to: (f64, f64)) -> f64 {
+        let layout = &self.world.layout.slots[slot];
+        let at = |axis: u32| layout.var(self.state, VarId(axis), 0);
+        let (mut dx, mut dy) = (at(0) - to.0, at(1) - to.1);
+        let periods = self.world.spaces[layout.space(self.state)].periods;
+        for (way, period) in [&mut dx, &mut dy].into_iter().zip(periods) {
+            if let Some(period) = period {
+                *way -= period.size() * (*way / period.size()).round();
+            }
+        }
+        (dx * dx + dy * dy).sqrt()
     }
 
     /// The edge that a group takes in this step, if nothing stops the run; groups that it waits for are in `taken`.

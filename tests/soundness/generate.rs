@@ -66,6 +66,8 @@ pub struct Generator<'c> {
     pub asked: usize,
     /// Number of counts that could be drawn instead.
     pub counts: usize,
+    /// Number of edges that could ask all instances of an entity.
+    pub edges: usize,
 }
 
 /// What a program may use: each world does without most of it, so that what it does use shows, and much can be proven
@@ -205,6 +207,7 @@ pub fn program(choices: &[u16], frame: Frame) -> String {
         nameable: 0,
         asked: 0,
         counts: 0,
+        edges: 0,
     };
     let world = match situation {
         Some(situation) => g.stage(situation),

@@ -211,7 +211,7 @@ impl Tally {
         me: SlotId,
         taken: &'a [Option<Move>],
     ) -> Eye<'a> {
-        Eye { program: sim.program(), world: sim.world(), state, input, me, taken, notes: self }
+        Eye { program: sim.program(), world: sim.world(), state, input, me, member: None, taken, notes: self }
     }
 
     /// Records steps longer than the width of rooms, and events in a room that was entered by a link.
@@ -719,6 +719,10 @@ const EVENTS: &[&str] = &[
     "destroy self",
     "destroy what is touched",
     "destroy what a probe finds",
+    "a count of none",
+    "a count of one",
+    "a count of several",
+    "distance",
     "destroy a reference",
     "destroy a tile that is touched",
     "destroy a tile that a probe finds",
@@ -816,6 +820,7 @@ const ATOMS: &[&str] = &[
     "touching as",
     "touching at",
     "touching at, as",
+    "nearest",
     "entering",
     "exiting",
     "received",

@@ -43,7 +43,16 @@ pub fn denied(
     let (program, nothing) = (&maker.program, Input::nothing(table.players.len()));
     for (predicate, text) in all {
         let truth = |state: &Vec<u8>| {
-            let eye = Eye { program, world: table, state, input: &nothing, me: SlotId(0), taken: &[], notes: &Nobody };
+            let eye = Eye {
+                program,
+                world: table,
+                state,
+                input: &nothing,
+                me: SlotId(0),
+                member: None,
+                taken: &[],
+                notes: &Nobody,
+            };
             eye.truth(predicate)
         };
         let mut seen = [false; 2];

@@ -53,7 +53,7 @@
 ((call function: (identifier) @function.builtin)
   (#any-of? @function.builtin
     "min" "max" "abs" "sign" "clamp" "floor" "ceil" "round" "sqrt" "sin" "cos" "atan2" "mod" "if" "pressed" "held"
-    "released" "touching" "timer" "entering" "exiting" "lost" "near" "inside" "count" "received"))
+    "released" "touching" "timer" "entering" "exiting" "lost" "near" "distance" "inside" "count" "received"))
 (timer) @variable.builtin
 (self) @variable.builtin
 
@@ -92,7 +92,7 @@
 [(instant) (hold) (way)] @keyword
 ["block" "sense" "keep" "velocity" "carry" "bounce" "breakable"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
-["and" "or" "not" "in" "is" "as" "any" "all" "touching"] @keyword.operator
+["and" "or" "not" "in" "is" "as" "any" "all" "touching" "nearest" "within"] @keyword.operator
 
 ; ---- signs
 

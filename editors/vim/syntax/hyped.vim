@@ -19,9 +19,11 @@ syn keyword hypedConditional when if else
 syn keyword hypedStatement destroy invariant clamp
 syn keyword hypedStatement use spawn nextgroup=hypedType skipwhite
 syn match hypedFunction /\<\%(min\|max\|abs\|sign\|floor\|ceil\|round\|sqrt\|sin\|cos\|atan2\|mod\)\>\ze\s*(/
-syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|inside\|count\|received\)\>\ze\s*(/
+syn match hypedFunction /\<\%(pressed\|held\|released\|touching\|entering\|exiting\|lost\|near\|distance\|inside\|count\|received\)\>\ze\s*(/
 syn match hypedOperatorWord /\<\%(any\|all\)\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\)\>\)\@!\K/ nextgroup=hypedType skipwhite
 syn match hypedOperatorWord /\%([[:keyword:])']\s\+\)\@<=touching\>\ze\s*\%("\|\s\%(and\|or\|not\|in\|is\|as\|when\|mode\)\@!\K\)/
+syn match hypedOperatorWord /\<nearest\>\ze\s\+\%(\%(and\|or\|not\|in\|is\|as\|when\|mode\|touching\|at\|directions\|to\|x\)\>\)\@!\K/ nextgroup=hypedType skipwhite
+syn match hypedOperatorWord /\%([[:keyword:]]\s\+\)\@<=within\>\ze\s*\%((\|\s\d\|\s\%(and\|or\|not\|in\|is\|as\|when\|mode\)\@!\K\)/
 syn match hypedOperatorWord /\%([[:keyword:]"]\s\+\)\@<=at\>\ze\s*(/
 syn match hypedType /\%(\%(self\|when\)\>\)\@!\<\K\k*/ contained
 syn match hypedPrimes /\k\@1<='\+/

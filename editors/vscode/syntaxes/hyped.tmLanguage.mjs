@@ -24,7 +24,7 @@ const BEFORE_OPERAND = r`(?=\s+[\p{L}\p{N}_(-])`;
 /** A tag, and a name that is no keyword which can follow an operand. */
 const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|clamp)\b)${NAME}`;
 const FREE = r`(?!touching\b)${TAG}`;
-const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|inside|count|received|clamp|if|timer';
+const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|distance|inside|count|received|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
 const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|condition|goal|never)\b`;
 
@@ -236,6 +236,8 @@ const repository = {
       groups(r`(?<![\p{L}\p{N}_])(${NUMBER})(frames|ms|s)?(?![\p{L}\p{N}_])`, 'constant.numeric', 'keyword.other.unit'),
       groups(r`\b(${FUNCTIONS})(?=\s*\()`, 'support.function'),
       groups(r`\b(any|all)\s+(${FREE})`, 'keyword.operator.word', 'entity.name.type'),
+      groups(r`\b(nearest)\s+((?!(?:at|directions|to|x)\b)${FREE})`, 'keyword.operator.word', 'entity.name.type'),
+      groups(r`${AFTER_OPERAND}(within)(?=\s*\(|\s+(?:\d|${TAG}))`, 'keyword.operator.word'),
       groups(r`${AFTER_OPERAND}(touching)\s+(${TAG})`, 'keyword.operator.word', 'entity.name.tag'),
       groups(r`${AFTER_OPERAND}(touching)\s*("[^"]*")`, 'keyword.operator.word', 'string.quoted.double.tag'),
       groups(r`(?<=[\p{L}\p{N}_"])\s+(at)(?=\s*\()`, 'keyword.operator.word'),

@@ -64,7 +64,7 @@ impl Reads {
             | Expr::And(..)
             | Expr::Or(..)
             | Expr::Call(..) => {}
-            Expr::Near { .. } | Expr::Probe { .. } => {
+            Expr::Near { .. } | Expr::Distance { .. } | Expr::Probe { .. } | Expr::Nearest { .. } => {
                 self.others = true;
                 self.motion = true;
             }
@@ -77,6 +77,7 @@ impl Reads {
             | Expr::IsNone(_)
             | Expr::Is(..)
             | Expr::Alive(_)
+            | Expr::Count { .. }
             | Expr::InMode(..)
             | Expr::Broken(_)
             | Expr::InSpace(..) => self.others = true,

@@ -469,6 +469,7 @@ impl<'a> Analysis<'a> {
             pinned: None,
             me,
             tested: None,
+            member: None,
             phase: Phase::Discrete,
         }
     }
@@ -599,7 +600,7 @@ fn reads_others(program: &Program, entity: &Entity) -> bool {
     let mut code = (entity.code.from.0..entity.code.to.0).map(ExprId);
     !entity.refs.is_empty()
         || entity.touches.iter().any(|t| t.bound)
-        || code.any(|id| matches!(program.exprs[id], Expr::Probe { .. }))
+        || code.any(|id| matches!(program.exprs[id], Expr::Probe { .. } | Expr::Count { .. } | Expr::Nearest { .. }))
 }
 
 /// Restricts discrete variables to their bounds.

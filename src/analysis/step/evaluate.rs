@@ -13,7 +13,6 @@ use crate::analysis::domain::received::Received;
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::breakable;
-use crate::analysis::geometry::seam;
 use crate::analysis::geometry::surroundings::Surroundings;
 
 use super::probe::There;
@@ -104,6 +103,8 @@ pub(in crate::analysis) struct Reader<'a> {
     pub me: Option<(SlotId, &'a Configuration)>,
     /// A subject that is known to be of an entity where the expression is evaluated.
     pub tested: Option<(Subject, EntityId)>,
+    /// The instance that a question to each asks.
+    pub member: Option<SlotId>,
     /// The phase of evaluation.
     pub phase: Phase,
 }
@@ -118,6 +119,7 @@ impl<'a> Reader<'a> {
         match (of, self.me) {
             (Subject::Me, Some((me, _))) => Arc::new([me]),
             (Subject::Slot(slot), _) => Arc::new([slot]),
+            (Subject::Member(_), _) if self.member.is_some() => self.member.into_iter().collect(),
             _ => {
                 let named = self.named(of);
                 let mut known = self.joined.alive.lock().unwrap_or_else(PoisonError::into_inner);
@@ -145,6 +147,7 @@ impl<'a> Reader<'a> {
             Subject::Ref(id) => self.entity(me).refs[id].entity.map_or(Named::Any, Named::Of),
             Subject::Touched(id) => Named::By(self.world.slots[me].entity, id),
             Subject::Probed(id) => Named::At(self.world.slots[me].entity, id),
+            Subject::Member(entity) => Named::Of(entity),
             Subject::Me | Subject::Slot(_) => Named::Any,
         };
         tested.unwrap_or(declared)
@@ -157,7 +160,12 @@ impl<'a> Reader<'a> {
 
     /// The join of `read` over all instances that a subject can refer to; instances without the number are skipped.
     fn read(&self, of: Subject, part: Part, read: impl Fn(&Overall) -> Option<Values>) -> Values {
-        let is_one = matches!((of, self.me), (Subject::Me, Some(_)) | (Subject::Slot(_), _));
+        let is_one = match of {
+            Subject::Me => self.me.is_some(),
+            Subject::Slot(_) => true,
+            Subject::Member(_) => self.member.is_some(),
+            Subject::Ref(_) | Subject::Touched(_) | Subject::Probed(_) => false,
+        };
         let key = (self.named(of), part);
         let known = || self.joined.values.lock().unwrap_or_else(PoisonError::into_inner);
         if !is_one && let Some(values) = known().get(&key) {
@@ -199,7 +207,7 @@ impl<'a> Reader<'a> {
         Some(o.vars.get(var)?[degree].or(mid_step.map_or(&Values::none(), |v| &v[degree])))
     }
 
-    fn position(&self, of: Subject, axis: usize) -> Values {
+    pub(super) fn position(&self, of: Subject, axis: usize) -> Values {
         let at = |o: &Overall| self.var(o, VarId::XY[axis], 0);
         let part = Part::Var(VarId::XY[axis], 0, self.is_within_step());
         match of {
@@ -209,13 +217,14 @@ impl<'a> Reader<'a> {
     }
 
     /// The configuration of a subject, if it is fixed.
-    fn configuration_of(&self, of: Subject) -> Option<&'a Configuration> {
+    pub(super) fn configuration_of(&self, of: Subject) -> Option<&'a Configuration> {
         self.slot_and_configuration(of).map(|(_, at)| at)
     }
 
     fn slot_and_configuration(&self, of: Subject) -> Option<(SlotId, &'a Configuration)> {
         match (of, self.pinned) {
             (Subject::Me, _) => self.me,
+            (Subject::Member(_), _) => self.me.filter(|(me, _)| self.member == Some(*me)),
             (Subject::Slot(slot), Some((pinned, Pinned::At(at)))) if pinned == slot => Some((slot, at)),
             _ => None,
         }
@@ -285,6 +294,8 @@ impl<'a> Reader<'a> {
                 }
                 None => Values::all(),
             },
+            Expr::Count { of, holds } => Values::from(self.count_members(of, holds)),
+            Expr::Distance { of, x, y } => self.distance(of, x, y),
             Expr::Negate(a) => number(a).map(|i| i.map(|x| -x)),
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (number(a), number(b));
@@ -390,7 +401,8 @@ impl<'a> Reader<'a> {
                     let any = |leaves: &BTreeSet<LeafId>| leaves.range(m.leaves.from..m.leaves.to).next().is_some();
                     any(&o.leaves) || self.mid_step(o).is_some_and(|b| any(&b.leaves))
                 };
-                Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail: true }
+                let can_fail = !matches!(of, Subject::Member(_)) || !self.is_surely_in(mode);
+                Truth { can_hold: self.candidates(of).iter().any(of_mode), can_fail }
             }
             Expr::InSpace(of, space) => {
                 match (of, self.pinned) {
@@ -407,19 +419,11 @@ impl<'a> Reader<'a> {
                 Truth { can_hold: self.candidates(of).iter().any(spaces), can_fail: true }
             }
             Expr::Near { of, x, y, radius } => {
-                let (px, py) = match self.configuration_of(of) {
-                    Some(c) => (c.vars[VarId::X][0], c.vars[VarId::Y][0]),
-                    None => (self.position(of, 0), self.position(of, 1)),
-                };
-                let apart = |axis: usize, a: &Values, b: ExprId| {
-                    let ways = a.pairs(&self.number(b), Interval::minus);
-                    seam::shortest(self.world, axis, &ways).map(Interval::square)
-                };
-                let squares = apart(0, &px, x).pairs(&apart(1, &py, y), Interval::plus);
-                let distance = squares.map(|i| i.map(|s| s.max(0.0).sqrt()));
+                let distance = self.distance(of, x, y);
                 let found = compare_values(CompareOp::AtMost, &distance, &self.number(radius));
                 Truth { can_hold: found.can_hold, can_fail: true }
             }
+            Expr::Nearest { of, holds } => self.has_member(of, holds),
             Expr::Received(signal) => {
                 let can = |me: SlotId| self.received.can_receive(self.world.slots[me].entity, signal);
                 Truth { can_hold: self.me.is_none_or(|(me, _)| can(me)), can_fail: true }

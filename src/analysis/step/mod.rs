@@ -4,6 +4,7 @@
 pub(in crate::analysis) mod evaluate;
 pub(in crate::analysis) mod flow;
 pub(in crate::analysis) mod forbidden;
+mod members;
 mod probe;
 
 use std::collections::BTreeSet;

@@ -202,24 +202,6 @@ impl Fact for UnterminatedMap {
     }
 }
 
-/// A question of a world's predicates in an entity.
-pub struct OnlyInWorlds {
-    /// The question.
-    pub at: Span,
-    /// Its name.
-    pub what: &'static str,
-    /// What an entity writes instead.
-    pub help: String,
-}
-
-impl Fact for OnlyInWorlds {
-    fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::Misplaced, format!("{} is not allowed in an entity", self.what))
-            .at(self.at, "belongs in a `goal` or `never` of a world")
-            .help(self.help)
-    }
-}
-
 /// A declaration in a block that cannot hold it.
 pub struct Misplaced {
     /// The declaration.

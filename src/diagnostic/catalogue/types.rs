@@ -209,17 +209,21 @@ impl Fact for NotConstant {
     }
 }
 
-/// The offset of a probe that reads a contact or another instance.
+/// The offset of a probe, or the limit of `nearest`, that reads a contact or another instance.
 pub struct ForeignOffset {
     /// The part that reads it.
     pub at: Span,
+    /// `the offset of a probe`
+    pub what: &'static str,
 }
 
 impl Fact for ForeignOffset {
     fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::NotConstant, "the offset of a probe cannot depend on this")
+        Diagnostic::new(Code::NotConstant, format!("{} cannot depend on this", self.what))
             .at(self.at, "not of the instance itself")
-            .help("it may read variables, parameters, modes, timers and inputs of the instance; others ask by probes of their own")
+            .help(
+                "it may read variables, parameters, modes, timers and inputs of the instance; others ask by themselves",
+            )
     }
 }
 

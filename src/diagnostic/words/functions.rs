@@ -77,10 +77,16 @@ pub const SIGNATURES: &[Signature] = &[
         doc: "The distance of the instance to a point, or to another instance, is at most the radius; px.",
     },
     Signature {
+        name: "distance",
+        parameters: &["reference"],
+        doc: "The distance of this instance to another one, or to a point `(x, y)`; px.",
+    },
+    Signature { name: "distance", parameters: &["instance", "(x, y)"], doc: "The distance of another instance." },
+    Signature {
         name: "count",
         parameters: &["entity"],
-        doc: "In a predicate: the number of living instances of an entity; with `in MODE` or `touching TAG`, of those for \
-              which that holds.",
+        doc: "The number of living instances of an entity; with `in MODE` or `touching TAG`, of those for which that \
+              holds.",
     },
     Signature { name: "inside", parameters: &["instance", "space"], doc: "The instance is in the space." },
     Signature {

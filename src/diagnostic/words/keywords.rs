@@ -264,13 +264,23 @@ pub const MEANINGS: &[Meaning] = &[
     ),
     means(
         "any",
-        "In a predicate: that it holds of at least one instance of an entity.",
-        "never crowd: any Slime in squashed",
+        "In a guard or a predicate: that it holds of at least one instance of an entity.",
+        "never crowd: any Slime in squashed or any Slime.x > 100",
     ),
     means(
         "all",
-        "In a predicate: that it holds of every living instance of an entity.",
+        "In a guard or a predicate: that it holds of every living instance of an entity.",
         "goal solved: all Crate in placed",
+    ),
+    means(
+        "nearest",
+        "That there is another instance of an entity in this space. `as` names the one that is nearest.",
+        "when pressed(fire) and nearest Slime in awake within 80 as s { send s.hit }",
+    ),
+    means(
+        "within",
+        "How far away the nearest instance of an entity may be, px.",
+        "when nearest Slime within 80 -> alert",
     ),
     means(
         "touching",

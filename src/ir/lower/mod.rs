@@ -29,10 +29,13 @@ pub fn lower(checked: Checked) -> Program {
     program.spans.entities.reserve(entities.len());
     // Shared, as there may be many entities.
     let position = ["x", "y"].map(Arc::from);
-    // Goals add contact queries to entities, so all entities come first.
-    for entity in entities {
-        let id = program.entities.push(shell(&entity, &position, &breakable).into());
-        program.spans.entities.push(spans(&entity).into());
+    // Entities and goals add contact queries to other entities, so all entities come first.
+    for entity in entities.iter() {
+        program.entities.push(shell(entity, &position, &breakable).into());
+        program.spans.entities.push(spans(entity).into());
+    }
+    for (index, entity) in entities.into_iter().enumerate() {
+        let id = EntityId::from_index(index);
         let from = ExprId::from_index(program.exprs.len());
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity), &breakable);
         let to = ExprId::from_index(program.exprs.len());
@@ -152,9 +155,17 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity, brea
         program.entity_mut(id).discretes[index].first = first;
     }
     for probe in e.probes.iter() {
-        let offset = probe.offset.each_ref().map(|offset| program.term(offset, &context));
-        let (mine, other, tiles) = (probe.mine, probe.other, breakable.contains(&probe.other));
-        let probe = program.push(Expr::Probe { mine, other, offset, bound: true, tiles }, probe.span);
+        let expr = match probe {
+            checked::BoundProbe::Place(checked::Probe { mine, other, offset, .. }, _) => {
+                let offset = offset.each_ref().map(|offset| program.term(offset, &context));
+                let tiles = breakable.contains(other);
+                Expr::Probe { mine: *mine, other: *other, offset, bound: true, tiles }
+            }
+            checked::BoundProbe::Nearest(checked::Nearest { of, holds, .. }, _) => {
+                Expr::Nearest { of: *of, holds: program.term(holds, &context) }
+            }
+        };
+        let probe = program.push(expr, probe.span());
         program.entity_mut(id).probes.push(probe);
     }
     for collider in e.colliders.iter() {

@@ -28,8 +28,9 @@ impl Context<'_> {
         match of {
             Subject::Me => self.me.unwrap_or(EntityId(0)),
             Subject::Slot(slot) => (self.slots)(slot),
-            // Contact queries exist only for the instance itself and for named instances.
+            // Contact queries exist only for the instance itself, for named instances and for members.
             Subject::Ref(_) | Subject::Touched(_) | Subject::Probed(_) => self.me.unwrap_or(EntityId(0)),
+            Subject::Member(entity) => entity,
         }
     }
 }
@@ -124,6 +125,19 @@ impl Program {
             }
             TermKind::InMode(of, mode) => Expr::InMode(*of, *mode),
             TermKind::InSpace(of, space) => Expr::InSpace(*of, *space),
+            TermKind::Members(asked) => Expr::Count { of: asked.of, holds: self.term(&asked.holds, context) },
+            TermKind::Nearest(asked) => {
+                let own = &self.entities[context.entity(Subject::Me)];
+                if let Some(probe) = asked.bound.and_then(|id| own.probes.get(id)) {
+                    return *probe;
+                }
+                Expr::Nearest { of: asked.of, holds: self.term(&asked.holds, context) }
+            }
+            TermKind::Distance(asked) => {
+                let (of, point) = asked.as_ref();
+                let [x, y] = point.each_ref().map(|number| self.term(number, context));
+                Expr::Distance { of: *of, x, y }
+            }
             TermKind::Count(of) => return self.count(of, context, term.span),
             TermKind::Tiles(tag) => {
                 let (count, can_break) = (context.tiles)(*tag);

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Arena, EntityId, Expr, ExprId, Function, Id, Press, Program, RefValue, Subject, WorldId};
+use crate::ir::{Arena, EntityId, Expr, ExprId, Function, Id, Press, ProbeId, Program, RefValue, Subject, WorldId};
 
 use super::{At, Checked, Invalid, each, each_pair, ensure, exists, exists_among};
 
@@ -78,6 +78,21 @@ impl<'p> Code<'p> {
                 self.operand_where(owner, a, (condition, true), facts)?;
                 self.operand_where(owner, b, (condition, false), facts)
             }
+            Expr::Count { of, holds } | Expr::Nearest { of, holds } => {
+                exists(of, &self.program.entities)?;
+                let member = |(subject, _): &(Subject, EntityId)| matches!(subject, Subject::Member(_));
+                ensure(!facts.iter().any(member), "a question to each instance is inside of another one")?;
+                ensure(matches!(owner, Owner::Entity(_)), "a world asks its instances by their slots")?;
+                facts.push((Subject::Member(of), of));
+                let checked = self.operand(owner, holds, facts);
+                facts.pop();
+                checked?;
+                let is_nearest = matches!(self.program.exprs[id], Expr::Nearest { .. });
+                ensure(
+                    !is_nearest || self.is_own(holds, Some(of)),
+                    "it reads more than its own instance and the member",
+                )
+            }
             expr => {
                 for operand in expr.operands() {
                     self.operand(owner, operand, facts)?;
@@ -116,7 +131,7 @@ impl<'p> Code<'p> {
         match expr {
             Expr::Param(subject, param) => exists(param, &of(subject)?.params),
             // Every entity has a position.
-            Expr::Var(subject, var, _) if var.is_position() => self.subject(owner, subject),
+            Expr::Var(subject, var, _) if var.is_position() => self.read(owner, subject, facts),
             Expr::Var(subject, var, _) => exists(var, &of(subject)?.vars),
             Expr::Discrete(subject, id) => exists(id, &of(subject)?.discretes),
             Expr::InMode(subject, mode) => exists(mode, &of(subject)?.modes),
@@ -131,9 +146,11 @@ impl<'p> Code<'p> {
                 exists(signal, &me()?.signals)?;
                 ensure(me()?.signals[signal].number.is_some(), "the signal comes without a number")
             }
-            Expr::IsNone(subject) | Expr::Near { of: subject, .. } => self.subject(owner, subject),
+            Expr::IsNone(subject) | Expr::Near { of: subject, .. } | Expr::Distance { of: subject, .. } => {
+                self.read(owner, subject, facts)
+            }
             Expr::Is(subject, entity) => {
-                self.subject(owner, subject)?;
+                self.read(owner, subject, facts)?;
                 exists(entity, &program.entities)
             }
             Expr::Alive(slot) => self.subject(owner, Subject::Slot(slot)),
@@ -142,14 +159,14 @@ impl<'p> Code<'p> {
                 ensure(bound || !tiles, "a probe that keeps nothing keeps no tile")?;
                 exists(mine, &program.tags)?;
                 exists(other, &program.tags)?;
-                ensure(offset.iter().all(|id| self.is_own(*id)), "an offset reads more than its own instance")
+                ensure(offset.iter().all(|id| self.is_own(*id, None)), "an offset reads more than its own instance")
             }
             Expr::Broken(tag) => {
                 exists(tag, &program.tags)?;
                 ensure(matches!(owner, Owner::World(_)), "an entity knows no tiles")
             }
             Expr::InSpace(subject, space) => {
-                self.subject(owner, subject)?;
+                self.read(owner, subject, facts)?;
                 match owner {
                     Owner::World(world) => exists(space, &program.worlds[world].spaces),
                     Owner::Entity(_) => Err(Invalid::new("an entity knows no spaces")),
@@ -164,17 +181,27 @@ impl<'p> Code<'p> {
             | Expr::Compare(..)
             | Expr::Call(..)
             | Expr::And(..)
-            | Expr::Or(..) => Ok(()),
+            | Expr::Or(..)
+            // Checked with what they ask.
+            | Expr::Count { .. }
+            | Expr::Nearest { .. } => Ok(()),
         }
     }
 
-    /// Whether an expression reads nothing but the values, modes and inputs of its own instance.
-    fn is_own(&self, id: ExprId) -> bool {
+    /// Whether an expression reads nothing but the values, modes and inputs of its own instance, and of a member of an
+    /// entity.
+    fn is_own(&self, id: ExprId, member: Option<EntityId>) -> bool {
         let left = self.budget.get();
         self.budget.set(left.saturating_sub(1));
         let expr = self.program.exprs[id];
         let is_own = match expr {
-            Expr::Param(of, _) | Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::InMode(of, _) => of == Subject::Me,
+            Expr::Param(of, _)
+            | Expr::Var(of, ..)
+            | Expr::Discrete(of, _)
+            | Expr::InMode(of, _)
+            | Expr::Distance { of, .. } => {
+                of == Subject::Me || member.is_some_and(|of_it| of == Subject::Member(of_it))
+            }
             Expr::Touching(..)
             | Expr::Probe { .. }
             | Expr::Joint(..)
@@ -185,7 +212,9 @@ impl<'p> Code<'p> {
             | Expr::Alive(_)
             | Expr::Broken(_)
             | Expr::InSpace(..)
-            | Expr::Near { .. } => false,
+            | Expr::Near { .. }
+            | Expr::Count { .. }
+            | Expr::Nearest { .. } => false,
             Expr::Number(_)
             | Expr::Frames(_)
             | Expr::Bool(_)
@@ -201,16 +230,31 @@ impl<'p> Code<'p> {
             | Expr::Or(..)
             | Expr::Not(_) => true,
         };
-        left > 0 && is_own && expr.operands().into_iter().all(|operand| self.is_own(operand))
+        left > 0 && is_own && expr.operands().into_iter().all(|operand| self.is_own(operand, member))
     }
 
-    /// Whether an expression asks no probe, which a collider may not: it would ask where colliders are.
+    /// Whether an expression asks no probe and no question to each instance. A collider may not: it would ask where
+    /// colliders are.
     pub fn asks_no_probe(&self, id: ExprId) -> bool {
+        self.asks_none(id, true, |_| true)
+    }
+
+    /// Whether an expression of an entity asks no question to each instance.
+    pub fn asks_no_members(&self, me: EntityId, id: ExprId) -> bool {
+        let probes = &self.program.entities[me].probes;
+        let is_nearest = |id: ProbeId| {
+            probes.get(id).is_some_and(|probe| matches!(self.program.exprs[*probe], Expr::Nearest { .. }))
+        };
+        self.asks_none(id, false, is_nearest)
+    }
+
+    fn asks_none(&self, id: ExprId, probes: bool, is_asked: impl Fn(ProbeId) -> bool + Copy) -> bool {
         let left = self.budget.get();
         self.budget.set(left.saturating_sub(1));
         let expr = self.program.exprs[id];
         let asks = match expr {
-            Expr::Probe { .. } => true,
+            Expr::Count { .. } | Expr::Nearest { .. } => true,
+            Expr::Probe { .. } => probes,
             Expr::Param(of, _)
             | Expr::Var(of, ..)
             | Expr::Discrete(of, _)
@@ -219,10 +263,22 @@ impl<'p> Code<'p> {
             | Expr::IsNone(of)
             | Expr::Is(of, _)
             | Expr::InSpace(of, _)
-            | Expr::Near { of, .. } => matches!(of, Subject::Probed(_)),
+            | Expr::Near { of, .. }
+            | Expr::Distance { of, .. } => matches!(of, Subject::Probed(probe) if is_asked(probe)),
             _ => false,
         };
-        left > 0 && !asks && expr.operands().into_iter().all(|operand| self.asks_no_probe(operand))
+        left > 0 && !asks && expr.operands().into_iter().all(|operand| self.asks_none(operand, probes, is_asked))
+    }
+
+    /// Checks that an expression can read a subject.
+    fn read(&self, owner: Owner, subject: Subject, facts: &Facts) -> Checked {
+        match subject {
+            Subject::Member(_) => {
+                let is_asked = facts.iter().any(|(of, _)| *of == subject);
+                ensure(is_asked, "it reads a member outside of a question to each")
+            }
+            _ => self.subject(owner, subject),
+        }
     }
 
     /// Checks that a subject exists.
@@ -236,6 +292,7 @@ impl<'p> Code<'p> {
             }
             (Owner::Entity(me), Subject::Probed(id)) => exists(id, &self.program.entities[me].probes),
             (Owner::World(world), Subject::Slot(slot)) => exists(slot, &self.program.worlds[world].slots),
+            (_, Subject::Member(_)) => Err(Invalid::new("it reads a member outside of a question to each")),
             (Owner::Entity(_), Subject::Slot(_)) => Err(Invalid::new("an entity knows no instances of a world")),
             (Owner::World(_), _) => Err(Invalid::new("a world has no references and contacts of its own")),
         }
@@ -243,8 +300,15 @@ impl<'p> Code<'p> {
 
     /// The entity of a subject.
     fn entity(&self, owner: Owner, subject: Subject, facts: &Facts) -> Result<EntityId, Invalid> {
-        self.subject(owner, subject)?;
+        self.read(owner, subject, facts)?;
         let declared = match (owner, subject) {
+            (_, Subject::Member(of)) => Some(of),
+            (Owner::Entity(me), Subject::Probed(id)) => {
+                match self.program.exprs[self.program.entities[me].probes[id]] {
+                    Expr::Nearest { of, .. } => Some(of),
+                    _ => None,
+                }
+            }
             (Owner::Entity(me), Subject::Me) => Some(me),
             (Owner::Entity(me), Subject::Ref(id)) => self.program.entities[me].refs[id].entity,
             (Owner::World(world), Subject::Slot(slot)) => Some(self.program.worlds[world].slots[slot].entity),

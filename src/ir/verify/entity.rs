@@ -107,7 +107,7 @@ impl EntityVerifier<'_> {
         })?;
         each("probes", probes, |_, probe| {
             self.expr(*probe)?;
-            let is_bound = matches!(self.program.exprs[*probe], Expr::Probe { bound: true, .. });
+            let is_bound = matches!(self.program.exprs[*probe], Expr::Probe { bound: true, .. } | Expr::Nearest { .. });
             ensure(is_bound, "it is not a probe that keeps whom it finds")
         })?;
         ensure(*bound <= touches.len(), "there are not as many contact queries").at("bound")?;
@@ -133,6 +133,8 @@ impl EntityVerifier<'_> {
         })?;
         each_of("invariants", invariants, |id| self.expr(*id))?;
         each("envelopes", envelopes, |_, envelope| self.envelope(envelope))?;
+        let mut flows = self.entity.flow_exprs().into_iter().filter(|id| id.index() < self.program.exprs.len());
+        ensure(flows.all(|id| self.code.asks_no_members(self.id, id)), "a flow asks each instance").at("leaves")?;
         let mut decided = order.clone();
         decided.sort_unstable();
         ensure(decided.iter().copied().eq(groups.ids()), "each group is decided once").at("order")

@@ -74,6 +74,13 @@ impl CompletionCollector<'_> {
             ("all", "send") => self.entity(first),
             _ => None,
         };
+        // `any Slime.x`
+        if let ("any" | "all", before) = (cursor.previous(back), cursor.previous(back + 1))
+            && before != "send"
+            && let Some(entity) = self.entity(first)
+        {
+            return self.members(entity);
+        }
         if let Some(entity) = sent_to {
             return self.signals(entity);
         }
@@ -161,6 +168,10 @@ impl CompletionCollector<'_> {
             "received" => own.into_iter().for_each(|entity| self.signals(entity)),
             "near" | "inside" if argument == 0 => {
                 self.instances(world);
+                if own.is_some() {
+                    self.refs(own);
+                    self.words(&["self", "all"]);
+                }
                 self.words(&["any"]);
             }
             "inside" => {
@@ -209,8 +220,9 @@ impl CompletionCollector<'_> {
                 let refers = own.and_then(|e| e.refs.iter().find(|r| r.name.text == before)?.entity);
                 let referred = refers.and_then(|id| self.checked().next()?.entities.get(id)).map(|e| &**e);
                 // `any Slime in`
-                let any =
-                    world.filter(|_| matches!(cursor.previous(3), "any" | "all")).and_then(|_| self.entity(before));
+                let any = Some(())
+                    .filter(|()| matches!(cursor.previous(3), "any" | "all" | "nearest"))
+                    .and_then(|()| self.entity(before));
                 subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
             }
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => {
@@ -227,7 +239,7 @@ impl CompletionCollector<'_> {
                 self.entities();
                 self.words(&["none"]);
             }
-            ("any" | "all" | "spawn" | "limit", _) => self.entities(),
+            ("any" | "all" | "nearest" | "spawn" | "limit", _) => self.entities(),
             (":", "place") => self.entities(),
             (":", "ref") => {
                 self.entities();
@@ -375,7 +387,7 @@ impl CompletionCollector<'_> {
         if in_world {
             self.instances(world);
             world.into_iter().for_each(|world| self.conditions(&world.conditions, None, &[]));
-            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "inside" | "count"));
+            self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "distance" | "inside" | "count"));
             self.words(&["any", "all", "in", "touching", "and", "or", "not", "true", "false"]);
         } else if is_fixed {
             self.functions(is_arithmetic);
@@ -383,10 +395,21 @@ impl CompletionCollector<'_> {
         } else {
             // The offset of a probe reads only the instance itself.
             let is_offset = cursor.calls.last().is_some_and(|call| call.name == "at");
-            let is_foreign = |name: &str| matches!(name, "touching" | "entering" | "exiting" | "lost" | "received");
-            self.functions(|name| {
-                !(matches!(name, "near" | "inside" | "count" | "rect" | "circle") || is_offset && is_foreign(name))
+            let is_foreign = |name: &str| {
+                matches!(name, "touching" | "entering" | "exiting" | "lost" | "received" | "near" | "distance")
+            };
+            // All instances of an entity are asked on edges only.
+            let first = cursor.statement.first().copied().unwrap_or_default();
+            let is_edge = matches!(first, "when" | "and" | "or" | "condition" | "follow");
+            let asks = (is_edge || cursor.block() == Some(Block::Updates)) && !is_offset;
+            self.functions(|name| match name {
+                "inside" | "rect" | "circle" => false,
+                "count" => asks,
+                _ => !(is_offset && is_foreign(name)),
             });
+            if asks {
+                self.words(&["any", "all", "nearest"]);
+            }
             self.words(&["timer", "in", "is", "and", "or", "not", "true", "false", "none", "self"]);
         }
     }
@@ -395,7 +418,7 @@ impl CompletionCollector<'_> {
 /// Whether a function depends only on its arguments.
 fn is_arithmetic(name: &str) -> bool {
     let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "received"];
-    !reads.contains(&name) && !matches!(name, "near" | "inside" | "count" | "rect" | "circle")
+    !reads.contains(&name) && !matches!(name, "near" | "distance" | "inside" | "count" | "rect" | "circle")
 }
 
 /// The path by which one program imports another.

@@ -143,7 +143,7 @@ pub(super) fn kind_label(kind: NameKind) -> &'static str {
         NameKind::SignalNumber => "number of a signal",
         NameKind::Value => "value of a discrete variable",
         NameKind::Reference => "reference",
-        NameKind::Touched => "what is touched",
+        NameKind::Touched => "what is touched, or nearest",
         NameKind::Button => "button",
         NameKind::Axis => "axis",
         NameKind::Chance => "chance",

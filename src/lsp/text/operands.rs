@@ -29,6 +29,8 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
         (true, _) => &["and", "or", "in", "touching"],
         // `touching(body, coin) as c`
         (false, ")") => &["and", "or", "as"],
+        // `nearest Slime in awake within 80 as s`
+        (false, _) if has("nearest") && !has("as") => &["and", "or", "in", "within", "as"],
         (false, _) => &["and", "or", "in", "is"],
     };
     match (first, cursor.block()) {

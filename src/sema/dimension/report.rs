@@ -218,7 +218,13 @@ fn leaves<'t>(term: &'t Term, out: &mut Vec<&'t Term>) {
             out.push(term)
         }
         // Truth values and references have none.
-        TermKind::And(_) | TermKind::Or(_) | TermKind::Near(_) | TermKind::Probe(_) | TermKind::Count(_) => {}
+        TermKind::And(_)
+        | TermKind::Or(_)
+        | TermKind::Near(_)
+        | TermKind::Probe(_)
+        | TermKind::Nearest(_)
+        | TermKind::Members(_)
+        | TermKind::Count(_) => {}
         _ => term.operands().iter().for_each(|operand| leaves(operand, out)),
     }
 }

@@ -35,6 +35,8 @@ pub struct Checked {
     pub breakable: BTreeSet<TagId>,
     /// Whether a world takes its map from the command line.
     pub has_open_map: bool,
+    /// Whether an entity asks something of the instances of an entity.
+    pub asks_members: bool,
     /// Tags that levels and legends name.
     pub level_tags: BTreeSet<String>,
     /// Names in levels of editors that the levels' maps do not explain.

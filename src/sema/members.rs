@@ -86,6 +86,7 @@ impl Checker<'_> {
             self.report_unknown(fact);
             return None;
         };
+        self.checked.asks_members |= scope.world.is_none();
         let outer = self.facts.member.replace(entity);
         let holds = ask(self, entity);
         self.facts.member = outer;

@@ -340,17 +340,17 @@ pub const MEANINGS: &[Meaning] = &[
     means(
         "breakable",
         "After the tags of a tile: `destroy` can break it, where `as` names it. It is one bit of the state.",
-        "'#': brick breakable",
+        "tiles room 16 x 16 { '#': brick breakable }",
     ),
     means(
         "restore",
         "`restore after TIME` behind `breakable`: a broken tile is back that long after it was broken.",
-        "'#': brick breakable restore after 8s",
+        "tiles room 16 x 16 { '#': brick breakable restore after 8s }",
     ),
     means(
         "after",
         "`restore after TIME` behind `breakable`: a broken tile is back that long after it was broken.",
-        "'#': brick breakable restore after 8s",
+        "tiles room 16 x 16 { '#': brick breakable restore after 8s }",
     ),
     means("x", "Separates the width and the height of a tile, px.", "tiles room 16 x 16 { '.': empty }"),
     means(

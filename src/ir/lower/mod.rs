@@ -21,7 +21,7 @@ use term::{Context, duration, rate};
 /// Lowers a program that was checked without errors. Lowered parts of the checked program are dropped at once unless
 /// they are shared, as both are large for a large program.
 pub fn lower(checked: Checked) -> Program {
-    let Checked { tags, entities, worlds, dimensions, occurrences, breakable, .. } = checked;
+    let Checked { tags, entities, worlds, dimensions, occurrences, breakable, asks_members, .. } = checked;
     drop((dimensions, occurrences));
     let mut program = Program { tags: tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
     program.spans.tags = tags.iter().map(|t| t.span).collect();
@@ -29,12 +29,19 @@ pub fn lower(checked: Checked) -> Program {
     program.spans.entities.reserve(entities.len());
     // Shared, as there may be many entities.
     let position = ["x", "y"].map(Arc::from);
-    // Entities and goals add contact queries to other entities, so all entities come first.
-    for entity in entities.iter() {
+    let add = |program: &mut Program, entity: &checked::Entity| {
         program.entities.push(shell(entity, &position, &breakable).into());
         program.spans.entities.push(spans(entity).into());
+    };
+    // Goals add contact queries to entities, and so do entities that ask others: these come first then, and both tables
+    // are in memory.
+    if asks_members {
+        entities.iter().for_each(|entity| add(&mut program, entity));
     }
     for (index, entity) in entities.into_iter().enumerate() {
+        if !asks_members {
+            add(&mut program, &entity);
+        }
         let id = EntityId::from_index(index);
         let from = ExprId::from_index(program.exprs.len());
         entity_code(&mut program, id, Arc::unwrap_or_clone(entity), &breakable);

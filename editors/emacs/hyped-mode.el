@@ -101,7 +101,7 @@
     (world start "\\(goal\\|never\\)[ \t]+" name "[ \t]*:\\(?:[^=]\\|$\\)")
     (world start "\\(condition\\)[ \t]+" name "[ \t]*=\\(?:[^=]\\|$\\)")
     (world start "tiles[ \t]+" name "[ \t]+\\(?:x[ \t]+\\|[^{\n]*?[)[:word:]][ \t]+\\)\\(x\\)[ \t]+[([:word:]]")
-    (world ":[ \t]*[^:;\n]*[\"[:word:]][ \t]+\\(breakable\\)\\_>\\(?:[ \t]+\\(restore\\)[ \t]+\\(after\\)\\_>\\)?")
+    (inner ":[ \t]*[^:;\n]*[\"[:word:]][ \t]+\\(breakable\\)\\_>\\(?:[ \t]+\\(restore\\)[ \t]+\\(after\\)\\_>\\)?")
     (space start "\\(place\\)[ \t]+" name "[ \t]*:[ \t]*" name "[ \t]+\\(at\\)\\_>")
     (space start "\\(link\\|bounds\\)[ \t]+\\(rect\\)\\_>")
     (space start "\\(wrap\\)[ \t]+\\w")

@@ -88,7 +88,7 @@ impl Instance<'_> {
             }
             Expr::Touching(Subject::Me, touch) => Some(layout.touch(self.state, touch)),
             Expr::Discrete(Subject::Me, d) => Some(layout.discrete(self.state, d) != 0),
-            Expr::Number(_) | Expr::Var(..) | Expr::Timer(_) | Expr::Arithmetic(..) => Some(self.number(id)? != 0.0),
+            Expr::Number(_) | Expr::Var(Subject::Me, ..) | Expr::Timer(_) | Expr::Arithmetic(..) => Some(self.number(id)? != 0.0),
             _ => None,
         }
     }

@@ -22,7 +22,7 @@ use rand_pcg::Pcg64;
 const STEPS: usize = 3_000;
 
 /// Number of modified versions of an example.
-const CHANGES: usize = 12;
+const CHANGES: usize = 18;
 
 /// A program with one file changed.
 struct Changed<'a>(&'a Path, &'a str);
@@ -88,7 +88,9 @@ impl Instance<'_> {
             }
             Expr::Touching(Subject::Me, touch) => Some(layout.touch(self.state, touch)),
             Expr::Discrete(Subject::Me, d) => Some(layout.discrete(self.state, d) != 0),
-            Expr::Number(_) | Expr::Var(Subject::Me, ..) | Expr::Timer(_) | Expr::Arithmetic(..) => Some(self.number(id)? != 0.0),
+            Expr::Number(_) | Expr::Var(Subject::Me, ..) | Expr::Timer(_) | Expr::Arithmetic(..) => {
+                Some(self.number(id)? != 0.0)
+            }
             _ => None,
         }
     }
@@ -285,7 +287,6 @@ fn tried(path: &Path, text: &str) -> (Vec<Code>, Vec<String>) {
 
 #[test]
 fn what_is_proven_is_so_in_runs() {
-    let mut rng = Pcg64::seed_from_u64(11);
     let mut all = Vec::new();
     let mut wrong = Vec::new();
     for path in files("examples", "hyped") {
@@ -295,6 +296,10 @@ fn what_is_proven_is_so_in_runs() {
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
+        // A new example leaves the changes of the others as they are.
+        let name = path.file_name().unwrap().as_encoded_bytes();
+        let seed = name.iter().fold(11_u64, |seed, byte| seed.wrapping_mul(31).wrapping_add((*byte).into()));
+        let mut rng = Pcg64::seed_from_u64(seed);
         for _ in 0..CHANGES {
             let Some(changed) = renumbered(&text, &mut rng) else { continue };
             let (codes, found) = tried(&path, &changed);
@@ -312,7 +317,7 @@ fn what_is_proven_is_so_in_runs() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     let count = |code: Code| all.iter().filter(|c| **c == code).count();
-    for (code, least) in [(Code::GuardByValue, 15), (Code::ModeByValue, 3), (Code::UnprovenInvariant, 2)] {
+    for (code, least) in [(Code::GuardByValue, 15), (Code::ModeByValue, 5), (Code::UnprovenInvariant, 1)] {
         assert!(count(code) >= least, "{code} was found {} times", count(code));
     }
 }

@@ -184,13 +184,20 @@ fn what_is_told_is_what_has_changed() {
                     assert!(edge.target.is_none_or(|mode| !new.is_alive() || new.is_in(mode)), "{name}, step {step}");
                 }
             }
+            let (old, new) = (sim.broken_tiles(&before), sim.broken_tiles(run.state()));
+            let broken = new.iter().filter(|tile| !old.contains(tile)).map(|tile| Event::Broken(*tile));
+            let restored = old.iter().filter(|tile| !new.contains(tile)).map(|tile| Event::Restored(*tile));
+            let changed: Vec<Event> = broken.chain(restored).collect();
+            assert!(changed.iter().all(|event| has(*event)), "{name}, step {step}: {changed:?}");
+            let of_tiles = told.iter().filter(|event| matches!(event, Event::Broken(_) | Event::Restored(_)));
+            assert_eq!(of_tiles.count(), changed.len(), "{name}, step {step}: {told:?}");
             for (id, goal) in table.goals.pairs() {
                 let holds = |state: &State| sim.holds(state, goal.holds).unwrap();
                 assert_eq!(has(Event::Goal(id)), holds(run.state()) && !holds(&before), "{name}, step {step}");
             }
         }
     }
-    let all = ["Destroyed", "Edge", "Entered", "Goal", "Never", "Parted", "Spawned", "Touched"];
+    let all = ["Broken", "Destroyed", "Edge", "Entered", "Goal", "Never", "Parted", "Spawned", "Touched"];
     assert_eq!(kinds.iter().map(String::as_str).collect::<Vec<_>>(), all);
 }
 

@@ -14,7 +14,7 @@ use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::ir::{GoalId, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
-use hypedc::sim::{Input, Simulator, parse_script};
+use hypedc::sim::{Input, PlayerInput, Simulator, parse_script};
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use rand::{RngExt, SeedableRng};
@@ -122,6 +122,68 @@ fn bricks(c: &mut Criterion) {
     }
 }
 
+/// A step and a copy of the state of a world with few and with many coins, by a player who walks between two of them and
+/// by one who collects a row.
+fn coins(c: &mut Criterion) {
+    for (columns, rows) in [(10, 5), (250, 20)] {
+        let row = |tile: &str| format!("#{}#\n", tile.repeat(columns));
+        let map = row(".") + &row("c").repeat(rows) + &row(".") + &row("#");
+        let program = program(compile_text(&format!(
+            "entity Hero {{
+                 axis across
+                 collider body: rect(1, 0, 6, 7)
+                 x' = 60 * across
+                 y'' = -100
+             }}
+             entity Coin {{
+                 collider coin: rect(2, 2, 4, 4)
+                 always {{ when touching(coin, body) {{ destroy self }} }}
+             }}
+             world Mint {{
+                 collide body with wall: block
+                 collide body with coin: sense
+                 tiles mine 8 x 8 {{ '.': empty; '#': wall; 'c': spawn Coin }}
+                 space main {{
+                     map mine \"
+{map}
+                     \"
+                     place hero: Hero at (16, 8)
+                 }}
+                 player 1: hero
+                 goal rich: not any Coin
+             }}"
+        )));
+        let sim = Simulator::new(&program, WorldId(0));
+        let mut scratch = sim.scratch();
+        let start = sim.initial(&mut scratch).unwrap();
+        let mut state = start.clone();
+        let steps = |across: f64, count: usize| -> Vec<Input> {
+            let player = PlayerInput { axes: [across, 0.0, 0.0, 0.0], ..PlayerInput::default() };
+            vec![Input::of_players(vec![player]); count]
+        };
+        let mut group = c.benchmark_group(format!("coins/{}, {} bytes", columns * rows, start.len()));
+        let walks = [("60 steps without a coin", steps(0.0, 60)), ("600 steps along a row", steps(1.0, 600))];
+        for (name, inputs) in walks {
+            group.bench_function(name, |b| {
+                b.iter(|| {
+                    state.copy_from_slice(&start);
+                    for input in &inputs {
+                        sim.step(&mut state, input, &mut scratch).unwrap();
+                    }
+                    black_box(&state);
+                });
+            });
+        }
+        group.bench_function("a copy", |b| {
+            b.iter(|| {
+                state.copy_from_slice(black_box(&start));
+                black_box(&state);
+            });
+        });
+        group.finish();
+    }
+}
+
 /// A step of worlds with many live instances that fall, collide and push each other.
 fn crowd(c: &mut Criterion) {
     for instances in [10, 100, 1_000] {
@@ -172,6 +234,6 @@ fn grow(c: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(20);
-    targets = step, level, bricks, crowd, grow
+    targets = step, level, bricks, coins, crowd, grow
 }
 criterion_main!(benches);

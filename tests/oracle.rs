@@ -11,6 +11,7 @@ mod compare;
 mod evaluate;
 mod flow;
 mod generate;
+mod lamps;
 mod members;
 mod model;
 mod probe;
@@ -123,6 +124,23 @@ fn same_states(worlds: u64, steps: usize, generate: fn(&[u16]) -> String) {
 #[test]
 fn tiny_worlds_have_the_same_states() {
     same_states(set("HYPEDC_WORLDS").unwrap_or(600), 120, generate::program);
+}
+
+#[test]
+fn worlds_with_many_instances_that_never_move_have_the_same_states() {
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 10_000 } else { 300 });
+    same_states(worlds, 80, lamps::program);
+    let tally = RefCell::new(lamps::Tally::default());
+    hold(worlds, lamps::program, |study, seed| {
+        let program = study.compilation.program.as_ref().unwrap();
+        tally.borrow_mut().count(program, WorldId(0), 80, &mut Pcg64::seed_from_u64(seed));
+        Ok(())
+    });
+    let tally = tally.into_inner();
+    println!("{tally:?}");
+    // Otherwise the test is weak.
+    assert!(tally.worlds * 100 >= worlds as usize * 25, "{tally:?}");
+    assert!(tally.edges > tally.worlds && tally.contacts > tally.worlds && tally.destroyed > tally.worlds, "{tally:?}");
 }
 
 #[test]

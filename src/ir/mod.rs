@@ -22,6 +22,7 @@ mod period;
 mod program;
 mod rare;
 mod spans;
+mod still;
 mod targets;
 mod text;
 mod tile_map;
@@ -51,6 +52,7 @@ pub use program::{
 };
 pub use rare::RareVec;
 pub use spans::{EntitySpans, Spans, WorldSpans};
+pub use still::MANY_STILL;
 pub use text::text;
 pub use tile_map::{TileKind, TileMap};
 pub use transition::Transition;

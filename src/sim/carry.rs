@@ -14,7 +14,7 @@ impl Simulator {
         };
         loop {
             let (mut first_waiting, mut has_moved) = (None, false);
-            for me in self.world().slots.ids() {
+            for me in self.collision.movable.iter().map(|slot| SlotId::from_index(*slot)) {
                 let Some(carrier) = rides(state, me) else { continue };
                 if rides(state, carrier).is_some() {
                     first_waiting = first_waiting.or(Some((me, carrier)));

@@ -28,7 +28,10 @@ use super::tiles::Grid;
 /// Data about a world's colliders, prepared once.
 #[derive(Debug)]
 pub(super) struct Collision {
+    /// Those of instances that may move in the order of their slots, then those of all others.
     pub bodies: Vec<Body>,
+    /// The number of the former; only they have boxes in the working memory.
+    pub moving: usize,
     /// Their kinds.
     pub kinds: Vec<Kind>,
     pub broad_phase: BroadPhase,
@@ -36,10 +39,12 @@ pub(super) struct Collision {
     bounces: Vec<Bounce>,
     /// Whether any rule carries.
     carries: bool,
-    /// The slots with contact queries.
-    contact_readers: Vec<usize>,
-    /// The slots that can be pushed.
-    movable: Vec<usize>,
+    /// The slots with contact queries, but for those that are only looked at when something touches them.
+    pub contact_readers: Vec<usize>,
+    /// The slots that can be pushed and carried.
+    pub movable: Vec<usize>,
+    /// Cost of moving all instances and their boxes, in units of work.
+    moves: u64,
     /// For each space, which static obstacles are adjacent.
     pub adjacency: Vec<Adjacency>,
     /// For each space, the columns and the rows of its map.
@@ -61,7 +66,7 @@ pub(super) struct Body {
     /// The offsets of its instance's position, space and life in a state.
     pub layout: PositionLayout,
     /// Whether it can touch any static obstacle.
-    meets: bool,
+    pub meets: bool,
     /// The box, if it is constant: x and y of the lower-left corner, width, height.
     pub fixed: Option<[f64; 4]>,
     /// Whether it is a constant, non-empty rectangle whose presence needs no evaluation.
@@ -86,7 +91,7 @@ pub(super) struct Kind {
     /// For each space, whether it can touch any kind of tile.
     pub meets_tiles: Vec<bool>,
     /// For each space, whether it can touch any free-standing rectangle.
-    meets_solids: Vec<bool>,
+    pub meets_solids: Vec<bool>,
 }
 
 /// The contact rule between a body and something else.
@@ -128,10 +133,15 @@ impl Encounter {
         Some(Encounter { meeting, tags, bits, more, stop })
     }
 
+    /// Whether a contact sets no contact bit of the body.
+    pub fn is_unread(&self) -> bool {
+        !self.more && self.bits == [0; 4]
+    }
+
     /// Whether a contact has no effect on the body.
-    fn is_idle(&self) -> bool {
+    pub fn is_idle(&self) -> bool {
         let response = self.meeting.response;
-        response.push == Push::Sense && !response.carry && !self.more && self.bits == [0; 4]
+        response.push == Push::Sense && !response.carry && self.is_unread()
     }
 }
 
@@ -150,14 +160,14 @@ pub(super) struct Scratch {
     /// The boxes that are seen beyond a seam.
     pub images: Images,
     /// For each contact query that can name a tile, the length of the edge along which it touches the one it keeps, px.
-    lengths: Vec<f64>,
+    pub lengths: Vec<f64>,
     /// Amount of work so far.
     pub work: u64,
 }
 
 impl Collision {
-    /// Prepares a world.
-    pub fn new(program: &Program, world: &World) -> Self {
+    /// Prepares a world, some slots of which are never left by their instances.
+    pub fn new(program: &Program, world: &World, still: &IdVec<SlotId, bool>) -> Self {
         let bounces: BTreeSet<Bounce> = world.collide.iter().map(|c| c.response.bounce).chain([Bounce::NONE]).collect();
         let bounces: Vec<Bounce> = bounces.into_iter().collect();
         let tile_tags: Vec<Vec<TagSet>> = world
@@ -224,6 +234,9 @@ impl Collision {
                 Kind { tags, sets, tiles, solids, meets_tiles, meets_solids }
             })
             .collect();
+        // The sort is stable.
+        bodies.sort_by_key(|body: &Body| still[body.slot]);
+        let moving = bodies.partition_point(|body| !still[body.slot]);
         for body in &mut bodies {
             let Kind { meets_tiles, meets_solids, .. } = &kinds[body.kind];
             body.meets = meets_tiles.iter().chain(meets_solids).any(|&meets| meets);
@@ -239,7 +252,7 @@ impl Collision {
                 meet[theirs * count + mine] = true;
             }
         }
-        let ids: Vec<(usize, SlotId)> = bodies.iter().map(|b: &Body| (b.set, b.slot)).collect();
+        let ids: Vec<(usize, SlotId)> = bodies[..moving].iter().map(|b: &Body| (b.set, b.slot)).collect();
         let broad_phase = BroadPhase::new(&ids, count, |a, b| meet[a * count + b]);
         let carries = world.collide.iter().any(|c| c.response.carry);
         let of = |slot: SlotId| &program.entities[world.slots[slot].entity];
@@ -247,12 +260,16 @@ impl Collision {
             world.slots.ids().filter(|&s| has(of(s))).map(Id::index).collect::<Vec<usize>>()
         };
         let contact_readers = slots_with(&|e| !e.touches.is_empty());
-        let movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
+        let mut movable = slots_with(&|e| e.colliders.iter().any(|c| !c.kinematic));
+        movable.retain(|slot| !still[SlotId::from_index(*slot)]);
+        let moves = MOVED * (still.iter().filter(|is| !**is).count() + moving) as u64;
         let adjacency =
             world.spaces.iter().zip(&statics).map(|(space, solids)| Adjacency::new(space, solids)).collect();
         let (grids, seams) = (Grid::of(world), Seams::of(world));
         Collision {
             bodies,
+            moving,
+            moves,
             kinds,
             broad_phase,
             bounces,
@@ -269,15 +286,15 @@ impl Collision {
     /// Working memory for this world.
     pub fn scratch(&self, world: &World, kept: usize) -> Scratch {
         Scratch {
-            boxes: vec![Rect::default(); self.bodies.len()],
+            boxes: vec![Rect::default(); self.moving],
             sweep: Sweep::with_capacity(if matches!(self.broad_phase, BroadPhase::Kinds(_)) {
-                self.bodies.len() * if self.seams.is_some() { 1 + MAX_IMAGES } else { 1 }
+                self.moving * if self.seams.is_some() { 1 + MAX_IMAGES } else { 1 }
             } else {
                 0
             }),
             active: self.broad_phase.buffers(),
             displacements: vec![Displacement::NONE; world.slots.len()],
-            images: self.seams.as_ref().map_or_else(Images::default, |_| Images::for_boxes(self.bodies.len())),
+            images: self.seams.as_ref().map_or_else(Images::default, |_| Images::for_boxes(self.moving)),
             lengths: vec![0.0; kept],
             work: 0,
         }
@@ -329,7 +346,7 @@ impl Simulator {
         }
         self.place_boxes(state, scratch)?;
         let Scratch { boxes, sweep, active, displacements, work, .. } = &mut scratch.collision;
-        *work = work.wrapping_add(MOVED * (self.actors.len() + boxes.len()) as u64);
+        *work = work.wrapping_add(self.collision.moves);
         for &slot in &self.collision.contact_readers {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
             layout.clear_touches(state, *touches, *bound);
@@ -337,7 +354,7 @@ impl Simulator {
         for &slot in &self.collision.movable {
             displacements[slot] = Displacement::NONE;
         }
-        let bodies = &self.collision.bodies;
+        let bodies = &self.collision.bodies[..self.collision.moving];
         match &self.collision.broad_phase {
             BroadPhase::Listed(pairs) => {
                 *work = work.wrapping_add(pairs.len() as u64);
@@ -375,6 +392,9 @@ impl Simulator {
         }
         if let Some(seams) = &self.collision.seams {
             self.collide_across(seams, state, &mut scratch.collision, meter);
+        }
+        if let Some(still) = &self.still {
+            self.collide_still(still, state, scratch, meter);
         }
         if meter.is_stopped() {
             return Ok(());
@@ -416,7 +436,7 @@ impl Simulator {
     fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
         let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
-        for (at, body) in self.collision.bodies.iter().enumerate() {
+        for (at, body) in self.collision.bodies[..self.collision.moving].iter().enumerate() {
             let rect = &mut collision.boxes[at];
             let layout = body.layout;
             let is_there = |(at, leaves): &(usize, Arc<[bool]>)| leaves[leaf_at(state, *at).index()];
@@ -565,7 +585,7 @@ impl Simulator {
     }
 
     /// Handles the rectangles of a body's space; returns their number.
-    fn collide_solids(
+    pub(super) fn collide_solids(
         &self,
         state: &mut [u8],
         body: &Body,

@@ -15,13 +15,35 @@ use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::simulator::{Scratch, Simulator};
 use super::state::{set_triple, triple};
+use super::still::Still;
 
 impl Simulator {
     /// Moves every live slot by one step.
     pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+        match &self.still {
+            None => self.flow_of(self.actors.iter(), state, scratch),
+            Some(still) => self.flow_moving(still, state, scratch),
+        }
+    }
+
+    /// As [`Simulator::flow`], without the instances that never move.
+    #[inline(never)]
+    fn flow_moving(&self, still: &Still, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+        self.count_still_timers(still, state);
+        self.flow_of(still.moving.iter().map(|slot| &self.actors[*slot as usize]), state, scratch)
+    }
+
+    /// Moves some slots by one step, as far as there are instances.
+    #[inline(always)]
+    fn flow_of<'a>(
+        &'a self,
+        actors: impl Iterator<Item = &'a Actor> + Clone,
+        state: &mut [u8],
+        scratch: &mut Scratch,
+    ) -> Result<(), Fault> {
         let Scratch { frames, flows, clamps, peaks, taken, start, .. } = scratch;
         let fault = Cell::new(None);
-        for actor in &self.actors {
+        for actor in actors.clone() {
             if !actor.layout.acts(state) {
                 continue;
             }
@@ -39,7 +61,7 @@ impl Simulator {
         }
         Self::check_fault(&fault)?;
         if !self.moves_independently {
-            for actor in &self.actors {
+            for actor in actors {
                 if actor.layout.acts(state) {
                     let flows = flows_of(actor, only_plan(state, actor), flows);
                     self.move_by(state, actor, flows, clamps, peaks, start)?;

@@ -33,11 +33,14 @@ pub(super) struct ActingGroup {
 impl Simulator {
     /// Takes the edges of every live slot.
     pub(super) fn transitions(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
-        let Scratch { before, frames, taken, acting, changes, .. } = scratch;
+        let Scratch { before, frames, taken, acting, changes, still: awake, .. } = scratch;
         let fault = Cell::new(None);
         changes.clear();
         acting.clear();
-        self.decide(state, frames, taken, acting, &fault);
+        match &self.still {
+            None => self.decide(self.actors.iter(), state, frames, taken, acting, &fault),
+            Some(still) => self.decide_awake((still, awake), state, frames, taken, acting, &fault),
+        }
         Self::check_fault(&fault)?;
         // In most steps no edge is taken, and no copy of the state is needed.
         if acting.is_empty() {
@@ -56,16 +59,18 @@ impl Simulator {
     }
 
     /// Determines the groups with an action in this step: those that take an edge, and those with other actions.
-    fn decide(
-        &self,
-        state: &[u8],
-        frames: &Frames,
+    #[inline(always)]
+    pub(super) fn decide<'a>(
+        &'a self,
+        actors: impl Iterator<Item = &'a Actor>,
+        state: &'a [u8],
+        frames: &'a Frames,
         taken: &mut [Option<TakenEdge>],
         acting: &mut Vec<ActingGroup>,
-        fault: &Cell<Option<Fault>>,
+        fault: &'a Cell<Option<Fault>>,
     ) {
         let mut alone = Reader { frames, ..self.world_reader(state, fault) };
-        for actor in &self.actors {
+        for actor in actors {
             if !actor.layout.acts(state) {
                 continue;
             }

@@ -257,20 +257,11 @@ impl Simulator {
         if !scratch.changes.lives_changed {
             return;
         }
+        if let Some(still) = &self.still {
+            return self.remove_destroyed_of(still, state, &scratch.changes.destroys);
+        }
         for me in self.world().slots.ids() {
-            let layout = self.layout(me);
-            if !matches!(layout.life(state), Life::Alive | Life::Born) {
-                continue;
-            }
-            let is_dying = |s: SlotId| self.layout(s).life(state) == Life::Dying;
-            if layout.carrier(state).is_some_and(is_dying) {
-                layout.set_carrier(state, None);
-            }
-            for id in self.entity(me).refs.ids() {
-                if layout.reference(state, id).is_some_and(|s| self.layout(s).life(state) == Life::Dying) {
-                    layout.set_reference(state, id, None);
-                }
-            }
+            self.forget_destroyed(state, me);
         }
         for me in self.world().slots.ids() {
             let layout = self.layout(me);
@@ -278,6 +269,22 @@ impl Simulator {
                 Life::Dying => layout.clear(state),
                 Life::Born => layout.set_life(state, Life::Alive),
                 Life::Alive | Life::None => {}
+            }
+        }
+    }
+    /// Makes an instance refer to no destroyed one.
+    pub(super) fn forget_destroyed(&self, state: &mut [u8], me: SlotId) {
+        let layout = self.layout(me);
+        if !matches!(layout.life(state), Life::Alive | Life::Born) {
+            return;
+        }
+        let is_dying = |s: SlotId| self.layout(s).life(state) == Life::Dying;
+        if layout.carrier(state).is_some_and(is_dying) {
+            layout.set_carrier(state, None);
+        }
+        for id in self.entity(me).refs.ids() {
+            if layout.reference(state, id).is_some_and(|s| self.layout(s).life(state) == Life::Dying) {
+                layout.set_reference(state, id, None);
             }
         }
     }

@@ -29,6 +29,8 @@ mod script;
 mod seam;
 mod simulator;
 pub mod state;
+mod still;
+mod still_bodies;
 mod tiles;
 mod trace;
 

@@ -70,10 +70,9 @@ impl Probes {
 impl Tagged {
     fn new(world: &World, collision: &Collision, tag: TagSet) -> Tagged {
         let has = |(_, body): &(usize, &Body)| collision.kinds[body.kind].tags.meets(tag);
-        let mut out = Tagged {
-            bodies: collision.bodies.iter().enumerate().filter(has).map(|(at, _)| at).collect(),
-            ..Tagged::default()
-        };
+        let mut bodies: Vec<usize> = collision.bodies.iter().enumerate().filter(has).map(|(at, _)| at).collect();
+        bodies.sort_by_key(|at| collision.bodies[*at].slot);
+        let mut out = Tagged { bodies, ..Tagged::default() };
         for (space, solids) in world.spaces.iter().zip(&collision.solids) {
             let kinds = space.map.iter().flat_map(|map| &map.kinds);
             let tiles: Vec<bool> = kinds.map(|kind| kind.tags.iter().any(|t| TagSet::of(*t).meets(tag))).collect();

@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use crate::ir::{
-    Entity, Expr, ExprId, GoalId, Id, NeverId, Origin, ParamId, Press, Program, SlotId, SlotLayout, SpaceId, SpawnId,
-    VarId, World, WorldId,
+    Entity, Expr, ExprId, GoalId, Id, NeverId, Origin, ParamId, Press, Program, Slot, SlotId, SlotLayout, SpaceId,
+    SpawnId, VarId, World, WorldId,
 };
 
 use crate::watch::{Meter, Unwatched};
@@ -23,6 +23,7 @@ use super::members::Members;
 use super::probe::Probes;
 use super::saved::State;
 use super::state::{Life, buttons, set_buttons};
+use super::still::Still;
 
 /// Simulates one world of a program.
 pub struct Simulator {
@@ -49,6 +50,8 @@ pub struct Simulator {
     lives_change: bool,
     /// The slots that receive signals.
     pub(super) receivers: Vec<SlotId>,
+    /// The instances that never move, if there are many.
+    pub(super) still: Option<Box<Still>>,
     /// The buttons stored in a state: only for these, a guard reads presses or releases.
     pub(super) remembered: u64,
     /// What nature draws in each step, slot by slot.
@@ -80,6 +83,8 @@ pub struct Scratch {
     pub(super) start: Vec<(f64, f64)>,
     /// The working memory of the collision phase.
     pub(super) collision: super::collision::Scratch,
+    /// What a step looks at of the instances that never move.
+    pub(super) still: super::still::Scratch,
 }
 
 /// The buttons whose presses or releases are read anywhere.
@@ -89,6 +94,12 @@ fn remembered(program: &Program) -> u64 {
         _ => 0,
     };
     program.exprs.iter().map(bit).fold(0, |all, bit| all | bit)
+}
+
+/// Where an instance begins; one that never moves stays there.
+fn first_position(slot: &Slot) -> (f64, f64) {
+    let along = |axis: usize| slot.vars.get(VarId::XY[axis]).map_or(0.0, |values| values[0] + 0.0);
+    (along(0), along(1))
 }
 
 impl Scratch {
@@ -103,14 +114,21 @@ impl Simulator {
     /// Prepares a world.
     pub fn new(program: &Arc<Program>, id: WorldId) -> Self {
         let world = &program.worlds[id];
-        let collision = Collision::new(program, world);
+        let still = program.still_slots(world);
+        let mut collision = Collision::new(program, world, &still);
         let lives_change = world.slots.iter().any(|s| {
             let e = &program.entities[s.entity];
             e.action_lists().any(|a| !a.spawns.is_empty() || !a.destroys.is_empty())
         });
         let actors = actors(program, world);
         let nevers = program.with_operands(world.nevers.iter().map(|n| n.holds).collect());
-        let cost = actors.iter().map(|a| a.code.exprs.len()).sum::<usize>() + nevers.len();
+        let still = Still::new(world, &still, &mut collision, &actors);
+        let code = |actor: &Actor| actor.code.exprs.len();
+        let visited = match &still {
+            None => actors.iter().map(code).sum::<usize>(),
+            Some(still) => still.visits().map(|slot| code(&actors[slot])).sum(),
+        };
+        let cost = visited + nevers.len();
         let probes = Probes::new(program, world, &collision, &actors);
         let members = Members::new(world, &actors);
         let exprs = || actors.iter().flat_map(|actor| &actor.code.exprs);
@@ -135,6 +153,7 @@ impl Simulator {
                 .collect(),
             remembered: remembered(program),
             draws: chance::draws(program, world),
+            still,
             cost: probed + asked + cost as u64,
             probes,
             members,
@@ -212,7 +231,8 @@ impl Simulator {
             changes: Changes::with_capacity(destroys, sum(&|e| e.spawns.len()), slots, sum(&|e| e.edges.len())),
             clamps: vec![(0.0, 0.0); sum(&|e| e.clamps.len())],
             peaks: vec![0; sum(&|e| e.envelopes.len())],
-            start: vec![(0.0, 0.0); slots],
+            start: self.world.slots.iter().map(first_position).collect(),
+            still: self.still.as_ref().map_or_else(super::still::Scratch::default, |still| still.scratch()),
             before: vec![0; self.world.layout.size],
             frames: Frames::new(self.world.players.len(), self.draws.len()),
             flows: self.actors.iter().flat_map(|a| a.code.steady.iter().copied()).collect(),

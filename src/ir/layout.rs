@@ -1,14 +1,15 @@
 //! The layout of a state: one block of bytes, of a size known when the world is compiled.
 //!
-//! The players' buttons come first, then one block for each slot, then the tiles that can be broken. Within a block the widest fields come first, so that
-//! every field is aligned: real numbers, whole numbers and timers, leaves, references and spaces, flags, bits of contacts
-//! and signals.
+//! The players' buttons come first, then one block for each slot, then the tiles that can be broken. Within a block the
+//! widest fields come first, so that every field is aligned: real numbers, whole numbers and timers, leaves, references
+//! and spaces, flags, bits of contacts and signals. The blocks of instances that never move are the last ones: they hold
+//! only what varies, are as small as their fields allow, and neighbours.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{BreakableTiles, Entity, EntityId, IdVec, PlayerId, Slot, SlotId, Space, SpaceId};
+use super::{BreakableTiles, Entity, IdVec, PlayerId, Program, Slot, SlotId, SpaceId, VarId, World};
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -40,12 +41,25 @@ pub struct TileLayout {
     pub restored: usize,
 }
 
+/// What is constant of an instance that never moves, and not in a state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+pub struct Rest {
+    /// The values of its continuous variables; their derivatives are 0.
+    pub vars: IdVec<VarId, f64>,
+    /// The space that it is in.
+    pub space: SpaceId,
+}
+
 /// Byte offsets of one slot.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SlotLayout {
     /// The slot's block: from the first byte to before the second.
     pub block: (usize, usize),
+    /// Of an instance that never moves, what is not stored; `vars`, `space` and `carrier` then mean nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rest: Option<Arc<Rest>>,
     /// `f64` triples: position, velocity, acceleration of each continuous variable.
     pub vars: usize,
     /// `f64`s: the parameters, where they may differ from one instance of the slot to the next.
@@ -60,7 +74,7 @@ pub struct SlotLayout {
     /// A `u32` for each contact query that is bound, if any of the entity can name a tile: 0, or 1 plus the tile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<usize>,
-    /// A `u16` for each group: the active leaf.
+    /// A `u16` for each group: the active leaf. An entity with one leaf whose instance never moves has no place of its own.
     pub leaves: usize,
     /// A `u16` for each envelope: 0, or 1 plus the number of the direction in which its peak was reached.
     pub peaks: usize,
@@ -82,66 +96,118 @@ pub struct SlotLayout {
 }
 
 impl Layout {
-    /// Lays out the state of a world with these slots, a number of players and these spaces.
-    pub(super) fn new(
-        slots: &IdVec<SlotId, Slot>,
-        players: usize,
-        entities: &IdVec<EntityId, Arc<Entity>>,
-        spaces: &IdVec<SpaceId, Space>,
-    ) -> Layout {
-        let mut at = 0;
-        let mut take = |bytes: usize| {
-            let start = at;
-            at += bytes;
-            start
+    /// Lays out the state of a world; the layout that the world has is not read.
+    pub(super) fn new(program: &Program, world: &World) -> Layout {
+        let still = program.still_slots(world);
+        let mut taken = Taken(0);
+        let players = world.players.iter().map(|_| taken.take(8)).collect();
+        let moving = |slot: &Slot, taken: &mut Taken| {
+            let entity = &program.entities[slot.entity];
+            let start = taken.take(0);
+            let vars = taken.take(24 * entity.vars.len());
+            let params = (!slot.is_fixed).then(|| taken.take(8 * entity.params.len()));
+            let layout = fields(entity, taken, None);
+            taken.align(8);
+            SlotLayout { block: (start, taken.0), vars, params, ..layout }
         };
-        let players = (0..players).map(|_| take(8)).collect();
-        let slots = slots
-            .iter()
-            .map(|slot| {
-                let e = &entities[slot.entity];
-                let start = take(0);
-                let vars = take(24 * e.vars.len());
-                let params = (!slot.is_fixed).then(|| take(8 * e.params.len()));
-                let sums = take(8 * e.numbered_signals());
-                let (discretes, timers) = (take(4 * e.discretes.len()), take(4 * e.timers.len()));
-                let keeps_tiles = e.touches.iter().any(|touch| touch.tiles);
-                let tiles = keeps_tiles.then(|| take(4 * e.bound));
-                let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
-                let peaks = take(if peaked { 2 * e.envelopes.len() } else { 0 });
-                let (leaves, refs, bound) = (take(2 * e.groups.len()), take(2 * e.refs.len()), take(2 * e.bound));
-                let (space, carrier) = (take(2), take(2));
-                let (alive, touches) = (take(1), take(e.touches.len().div_ceil(8)));
-                let signals = take(e.signals.len().div_ceil(8));
-                let end = take(0);
-                take(end.next_multiple_of(8) - end);
-                SlotLayout {
-                    block: (start, take(0)),
-                    vars,
-                    params,
-                    sums,
-                    discretes,
-                    timers,
-                    tiles,
-                    leaves,
-                    peaks,
-                    refs,
-                    bound,
-                    space,
-                    carrier,
-                    alive,
-                    touches,
-                    signals,
-                }
-            })
-            .collect();
-        let BreakableTiles { places, restored, .. } = BreakableTiles::of(spaces);
+        let slots = world.slots.pairs().map(|(id, slot)| (!still[id]).then(|| moving(slot, &mut taken)));
+        let slots: Vec<Option<SlotLayout>> = slots.collect();
+        // The leaf of all that have only one.
+        let only_leaf = still.iter().any(|is| *is).then(|| taken.take(8));
+        let resting = |slot: &Slot, taken: &mut Taken| {
+            let entity = &program.entities[slot.entity];
+            let vars = slot.vars.iter().map(|values| values[0] + 0.0).collect();
+            let rest = Some(Arc::new(Rest { vars, space: slot.space }));
+            // Neighbours of one entity are equally far apart.
+            let mut size = Taken(0);
+            fields(entity, &mut size, Some(0));
+            taken.align(alignment(entity));
+            size.align(if size.0 <= 8 { size.0.next_power_of_two() } else { alignment(entity) });
+            let start = taken.0;
+            let layout = fields(entity, taken, only_leaf);
+            taken.0 = start + size.0;
+            SlotLayout { block: (start, taken.0), rest, ..layout }
+        };
+        let all = slots.into_iter().zip(world.slots.iter());
+        let slots = all.map(|(known, slot)| known.unwrap_or_else(|| resting(slot, &mut taken))).collect();
+        taken.align(8);
+        let BreakableTiles { places, restored, .. } = BreakableTiles::of(&world.spaces);
         let tiles = (!places.is_empty()).then(|| TileLayout {
-            broken: take(8 * places.len().div_ceil(64)),
+            broken: taken.take(8 * places.len().div_ceil(64)),
             count: places.len(),
-            restoring: take((2 * restored).next_multiple_of(8)),
+            restoring: taken.take((2 * restored).next_multiple_of(8)),
             restored,
         });
-        Layout { size: at, slots, players, tiles }
+        Layout { size: taken.0, slots, players, tiles }
     }
+}
+
+/// The bytes that are taken.
+struct Taken(usize);
+
+impl Taken {
+    fn take(&mut self, bytes: usize) -> usize {
+        self.0 += bytes;
+        self.0 - bytes
+    }
+
+    fn align(&mut self, to: usize) {
+        self.0 = self.0.next_multiple_of(to.max(1));
+    }
+}
+
+/// The fields of a slot after its real variables and parameters. For an instance that never moves it is given where the
+/// leaf is if the entity has only one.
+fn fields(e: &Entity, taken: &mut Taken, rests: Option<usize>) -> SlotLayout {
+    let start = taken.0;
+    let sums = taken.take(8 * e.numbered_signals());
+    let (discretes, timers) = (taken.take(4 * e.discretes.len()), taken.take(4 * e.timers.len()));
+    let keeps_tiles = e.touches.iter().any(|touch| touch.tiles);
+    let tiles = keeps_tiles.then(|| taken.take(4 * e.bound));
+    let peaked = e.envelopes.iter().any(|v| v.peak.is_some());
+    let peaks = taken.take(if peaked { 2 * e.envelopes.len() } else { 0 });
+    let leaves = match rests {
+        Some(only) if has_one_leaf(e) => only,
+        _ => taken.take(2 * e.groups.len()),
+    };
+    let (refs, bound) = (taken.take(2 * e.refs.len()), taken.take(2 * e.bound));
+    let moved = if rests.is_some() { 0 } else { 2 };
+    let (space, carrier) = (taken.take(moved), taken.take(moved));
+    let (alive, touches) = (taken.take(1), taken.take(e.touches.len().div_ceil(8)));
+    let signals = taken.take(e.signals.len().div_ceil(8));
+    SlotLayout {
+        block: (start, taken.0),
+        rest: None,
+        vars: start,
+        params: None,
+        sums,
+        discretes,
+        timers,
+        tiles,
+        leaves,
+        peaks,
+        refs,
+        bound,
+        space,
+        carrier,
+        alive,
+        touches,
+        signals,
+    }
+}
+
+/// What the offset of an instance that never moves is a multiple of: the size of its widest field.
+fn alignment(e: &Entity) -> usize {
+    let of_four = !e.discretes.is_empty() || !e.timers.is_empty() || e.touches.iter().any(|touch| touch.tiles);
+    let of_two = !has_one_leaf(e) || !e.refs.is_empty() || e.bound > 0;
+    match (e.numbered_signals(), of_four, of_two) {
+        (1.., ..) => 8,
+        (0, true, _) => 4,
+        (0, false, true) => 2,
+        (0, false, false) => 1,
+    }
+}
+
+fn has_one_leaf(e: &Entity) -> bool {
+    e.leaves.len() == 1 && e.groups.len() == 1
 }

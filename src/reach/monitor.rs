@@ -8,7 +8,8 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::analysis::{ConfigurationSpace, Membership, Outside, Reading};
 use crate::ir::{
-    DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, World, WorldId,
+    DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, VarId, World,
+    WorldId,
 };
 use crate::sim::{Script, Simulator, state};
 use crate::watch::Meter;
@@ -159,7 +160,10 @@ impl Reading for Instance<'_> {
 
     #[inline]
     fn real(&self, place: usize) -> f64 {
-        state::real(self.state, self.layout.vars + 8 * place)
+        match &self.layout.rest {
+            None => state::real(self.state, self.layout.vars + 8 * place),
+            Some(_) => self.layout.var(self.state, VarId::from_index(place / 3), (place % 3) as u8),
+        }
     }
 
     #[inline]

@@ -5,7 +5,7 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, SlotLayout,
+    CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Program, Rest, SlotId, SlotLayout,
     Step, Subject, TimerId, TouchId, VarId, World,
 };
 
@@ -181,8 +181,8 @@ pub(super) struct Actor {
 
 /// The actors of a world.
 pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
-    // Instances of one entity with the same parameters (as bits) share their code.
-    type Key = (EntityId, Option<Vec<u64>>);
+    // Instances of one entity with the same parameters (as bits) share their code, unless it reads where they rest.
+    type Key = (EntityId, Option<Vec<u64>>, Option<Vec<u64>>);
     let mut known: BTreeMap<Key, Arc<Code>> = BTreeMap::new();
     let take = |from: &mut usize, count: usize| {
         *from += count;
@@ -194,15 +194,21 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
     for (id, slot) in world.slots.pairs() {
         let entity = &program.entities[slot.entity];
         // Parameters that can change are part of the state.
-        let key = (slot.entity, slot.is_fixed.then(|| slot.params.iter().map(|p| p.to_bits()).collect()));
+        let layout = world.layout.slots[id].clone();
+        let is_read = |rest: &&Rest| {
+            let reads = |e: u32| matches!(program.exprs[ExprId(e)], Expr::Var(Subject::Me, ..));
+            !rest.vars.is_empty() && (entity.code.from.0..entity.code.to.0).any(reads)
+        };
+        let rest = layout.rest.as_deref();
+        let read = rest.filter(is_read).map(|rest| rest.vars.iter().map(|value| value.to_bits()).collect());
+        let key = (slot.entity, slot.is_fixed.then(|| slot.params.iter().map(|p| p.to_bits()).collect()), read);
         let none = IdVec::new();
         let params = if slot.is_fixed { &slot.params } else { &none };
         let code = known.entry(key).or_insert_with(|| {
             let exprs = entity.code.from.0..entity.code.to.0;
-            let exprs = exprs.map(|e| folded(program, ExprId(e), params, world.step)).collect();
+            let exprs = exprs.map(|e| folded(program, ExprId(e), (params, rest), world.step)).collect();
             Arc::new(Code::new(entity, exprs))
         });
-        let layout = world.layout.slots[id].clone();
         let (code, base) = (code.clone(), entity.code.from.0);
         let has_peaks = entity.envelopes.iter().any(|e| e.peak.is_some());
         let is_bounded = has_peaks || !entity.clamps.is_empty() && code.limits.is_none();
@@ -230,10 +236,19 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
     out
 }
 
-/// An expression, or its value if it is constant.
-fn folded(program: &Program, id: ExprId, params: &IdVec<crate::ir::ParamId, f64>, step: Step) -> Expr {
+/// An expression, or its value if it is constant, as the variables are where an instance rests.
+fn folded(
+    program: &Program,
+    id: ExprId,
+    (params, rest): (&IdVec<ParamId, f64>, Option<&Rest>),
+    step: Step,
+) -> Expr {
     let expr = program.exprs[id];
     match (program.constant(id, params, step), expr) {
+        (None, Expr::Var(Subject::Me, var, degree)) => rest.map_or(expr, |rest| {
+            let value = rest.vars.get(var).filter(|_| degree == 0);
+            Expr::Number(value.copied().unwrap_or(0.0))
+        }),
         (None, _) => expr,
         (Some(value), Expr::Bool(_) | Expr::Compare(..) | Expr::And(..) | Expr::Or(..) | Expr::Not(_)) => {
             Expr::Bool(value != 0.0)

@@ -206,7 +206,8 @@ impl<'a> Reader<'a> {
     pub fn number(&self, id: ExprId) -> f64 {
         match *self.at(id) {
             Expr::Number(n) => n,
-            Expr::Var(Subject::Me, var, degree) => self.own_layout().var(self.state, var, degree),
+            // The variables of an instance that never moves are constants of its code.
+            Expr::Var(Subject::Me, var, degree) => self.own_layout().moving_var(self.state, var, degree),
             _ => self.compute(id),
         }
     }
@@ -279,7 +280,7 @@ impl<'a> Reader<'a> {
     pub fn guard(&self, guard: Guard) -> bool {
         match guard {
             Guard::Touching(touch, wanted) => self.own_layout().touch(self.state, touch) == wanted,
-            Guard::Compare(op, var, degree, n) => compare(op, self.own_layout().var(self.state, var, degree), n),
+            Guard::Compare(op, var, degree, n) => compare(op, self.own_layout().moving_var(self.state, var, degree), n),
             Guard::Expr(id) => self.truth(id),
         }
     }

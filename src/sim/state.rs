@@ -2,7 +2,7 @@
 //! so a state can be moved between machines.
 
 use crate::ir::{
-    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, SignalId, SlotId, SlotLayout, SpaceId, TileId,
+    DiscreteId, EnvelopeId, GroupId, Id, LeafId, ParamId, RefId, Rest, SignalId, SlotId, SlotLayout, SpaceId, TileId,
     TimerId, TouchId, VarId,
 };
 
@@ -132,22 +132,40 @@ pub(super) fn leaf_at(state: &[u8], at: usize) -> LeafId {
 }
 
 impl SlotLayout {
-    /// The offset of a continuous variable (degree 0) or one of its derivatives.
+    /// The offset of a continuous variable (degree 0) or one of its derivatives, of an instance that may move.
     #[inline]
-    pub fn var_offset(&self, var: VarId, degree: u8) -> usize {
+    fn var_offset(&self, var: VarId, degree: u8) -> usize {
         self.vars + 24 * var.index() + 8 * usize::from(degree)
     }
 
     /// A continuous variable or one of its derivatives.
     #[inline]
     pub fn var(&self, state: &[u8], var: VarId, degree: u8) -> f64 {
+        match &self.rest {
+            None => self.moving_var(state, var, degree),
+            Some(rest) => self.resting_var(rest, state, var, degree),
+        }
+    }
+
+    /// As [`SlotLayout::var`], of an instance that may move.
+    #[inline]
+    pub(super) fn moving_var(&self, state: &[u8], var: VarId, degree: u8) -> f64 {
         real(state, self.var_offset(var, degree))
     }
 
-    /// Writes a continuous variable or one of its derivatives.
+    /// As [`SlotLayout::var`], of an instance that never moves.
+    #[cold]
+    fn resting_var(&self, rest: &Rest, state: &[u8], var: VarId, degree: u8) -> f64 {
+        let value = rest.vars.get(var).filter(|_| degree == 0 && self.alive(state));
+        one_zero(value.copied().unwrap_or(0.0))
+    }
+
+    /// Writes a continuous variable or one of its derivatives; those of an instance that never moves stay.
     #[inline]
     pub fn set_var(&self, state: &mut [u8], var: VarId, degree: u8, value: f64) {
-        set_real(state, self.var_offset(var, degree), one_zero(value));
+        if self.rest.is_none() {
+            set_real(state, self.var_offset(var, degree), one_zero(value));
+        }
     }
 
     /// The first continuous variables, each with its derivatives.
@@ -233,12 +251,22 @@ impl SlotLayout {
     /// The space that the instance is in.
     #[inline]
     pub fn space(&self, state: &[u8]) -> SpaceId {
-        SpaceId(u32::from(short(state, self.space)))
+        match &self.rest {
+            None => SpaceId(u32::from(short(state, self.space))),
+            Some(rest) => self.resting_space(rest, state),
+        }
     }
 
-    /// Moves the instance to a space.
+    #[cold]
+    fn resting_space(&self, rest: &Rest, state: &[u8]) -> SpaceId {
+        if self.alive(state) { rest.space } else { SpaceId(0) }
+    }
+
+    /// Moves the instance to a space; one that never moves stays.
     pub fn set_space(&self, state: &mut [u8], space: SpaceId) {
-        store(state, self.space, (space.0 as u16).to_le_bytes());
+        if self.rest.is_none() {
+            store(state, self.space, (space.0 as u16).to_le_bytes());
+        }
     }
 
     /// Whether there is an instance, alive or otherwise.
@@ -327,13 +355,15 @@ impl SlotLayout {
     /// The carrier of the instance.
     #[inline]
     pub fn carrier(&self, state: &[u8]) -> Option<SlotId> {
-        slot(state, self.carrier)
+        if self.rest.is_some() { None } else { slot(state, self.carrier) }
     }
 
-    /// Sets the carrier of the instance.
+    /// Sets the carrier of the instance, which may move.
     #[inline]
     pub fn set_carrier(&self, state: &mut [u8], carrier: Option<SlotId>) {
-        set_slot(state, self.carrier, carrier);
+        if self.rest.is_none() {
+            set_slot(state, self.carrier, carrier);
+        }
     }
 
     /// 0, or 1 plus the number of the direction in which an envelope reached its peak.

@@ -97,7 +97,6 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         })
         .collect();
     let spaces = w.spaces.iter().zip(predicates.links.iter()).map(|(s, links)| space(s, links)).collect();
-    let layout = Layout::new(&slots, players.len(), &program.entities, &spaces);
     let collide = w
         .collide
         .iter()
@@ -117,7 +116,7 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         goals: w.goals.iter().map(|g| g.name.span).collect(),
         nevers: w.nevers.iter().map(|n| n.name.span).collect(),
     });
-    let world = World {
+    let mut world = World {
         name: w.name.text.to_string(),
         step,
         spaces,
@@ -128,8 +127,9 @@ pub(super) fn lower(program: &mut Program, w: &checked::World, predicates: Predi
         goals: predicates.goals,
         nevers: predicates.nevers,
         open: w.open,
-        layout,
+        layout: Layout::default(),
     };
+    world.layout = Layout::new(program, &world);
     program.worlds.push(world.into());
 }
 

@@ -49,7 +49,7 @@ pub(super) fn verify(program: &Program, code: &Code<'_>, id: WorldId, world: &Wo
     })?;
     each("goals", goals, |_, goal| expr(goal.holds).at("holds"))?;
     each("nevers", nevers, |_, never| expr(never.holds).at("holds"))?;
-    let is_laid_out = *layout == Layout::new(slots, players.len(), &program.entities, spaces);
+    let is_laid_out = *layout == Layout::new(program, world);
     ensure(is_laid_out, "it is not the one that follows from the slots and the players").at("layout")?;
     spans(world, &program.spans.worlds[id]).at("spans")
 }

@@ -103,16 +103,17 @@ impl Simulator {
         let most: Cell<Option<Best>> = Cell::new(None);
         let from = own.bodies.partition_point(|&at| bodies[at].slot < reader.me);
         for &at in own.bodies[from..].iter().take_while(|&&at| bodies[at].slot == reader.me) {
-            let Some(rect) = self.rect_of(&bodies[at], reader) else { continue };
+            let Some(rect) = self.rect_of(at, reader) else { continue };
             let rect = rect.moved(offset);
             if !bound && self.any_image(&rect, |rect| self.overlaps_static(reader.state, rect, asked)) {
                 return Found::Static;
             }
-            for body in asked.bodies.iter().map(|&at| &bodies[at]).filter(|body| body.slot != reader.me) {
+            let others = asked.bodies.iter().map(|&at| (at, &bodies[at]));
+            for (at, body) in others.filter(|(_, body)| body.slot != reader.me) {
                 if matches!(found, Found::Instance(lowest) if body.slot >= lowest) {
                     break;
                 }
-                let there = self.rect_of(body, reader).map(|there| self.brought_in(&there));
+                let there = self.rect_of(at, reader).map(|there| self.brought_in(&there));
                 if there.is_some_and(|there| self.any_image(&rect, |rect| overlap(rect, &there))) {
                     found = Found::Instance(body.slot);
                     if !bound {
@@ -170,8 +171,12 @@ impl Simulator {
     }
 
     /// The box of a collider in the state that is read; `None` if it is not there.
-    fn rect_of(&self, body: &Body, reader: &Reader<'_>) -> Option<Rect> {
-        let state = reader.state;
+    fn rect_of(&self, at: usize, reader: &Reader<'_>) -> Option<Rect> {
+        let (body, state) = (&self.collision.bodies[at], reader.state);
+        if let Some(still) = self.still.as_ref().filter(|_| at >= self.collision.moving) {
+            let rect = still.bodies.rect(at - self.collision.moving);
+            return rect.filter(|_| self.is_there(body, state, reader.frames));
+        }
         if !body.layout.acts(state) {
             return None;
         }

@@ -26,16 +26,68 @@ pub(super) struct Still {
     /// The slots of instances that never move and have timers.
     timed: Vec<u32>,
     /// The slots that a step looks at only if a contact bit is set, in order.
-    watched: Vec<Watched>,
+    watched: Vec<u32>,
+    /// Where their contact bits are.
+    rows: Vec<Row>,
     /// The slots that can refer to an instance or be on one.
     referrers: Vec<u32>,
 }
 
-/// The bytes of a slot's contact bits.
+/// The contact bits of watched slots whose blocks are neighbours in a state, and equal.
 #[derive(Debug)]
-struct Watched {
-    slot: u32,
-    bytes: (u32, u32),
+struct Row {
+    /// The first of them, and their number.
+    first: usize,
+    count: usize,
+    /// Where the first block begins, and the size of each.
+    from: usize,
+    size: usize,
+    /// Where the contact bits are in a block.
+    bits: (usize, usize),
+    /// The contact bits in each eight bytes, if blocks fill them.
+    mask: Option<u64>,
+}
+
+impl Row {
+    /// The row of one slot.
+    fn of(actor: &Actor, first: usize) -> Row {
+        let ((from, to), touches) = (actor.layout.block, actor.layout.touches);
+        let bits = (touches - from, touches - from + actor.touches.div_ceil(8));
+        let size = to - from;
+        let mask = (size > 0 && 8 % size == 0).then(|| {
+            let is_bit = |byte: usize| (bits.0..bits.1).contains(&(byte % size));
+            u64::from_le_bytes(std::array::from_fn(|byte| if is_bit(byte) { 0xff } else { 0 }))
+        });
+        Row { first, count: 1, from, size, bits, mask }
+    }
+
+    /// Whether the slot of another row comes next.
+    fn is_followed_by(&self, next: &Row) -> bool {
+        self.from + self.size * self.count == next.from && (self.size, self.bits) == (next.size, next.bits)
+    }
+
+    /// Calls `found` with each watched slot that has a contact bit, in order.
+    fn find(&self, state: &[u8], mut found: impl FnMut(usize)) {
+        let blocks = &state[self.from..self.from + self.size * self.count];
+        let mut each = |blocks: &[u8], first: usize| {
+            for (at, block) in blocks.chunks_exact(self.size).enumerate() {
+                if block[self.bits.0..self.bits.1].iter().any(|byte| *byte != 0) {
+                    found(first + at);
+                }
+            }
+        };
+        let Some(mask) = self.mask else { return each(blocks, self.first) };
+        // Most have none: 64 bytes at once.
+        let (chunks, rest) = blocks.as_chunks::<64>();
+        let per_chunk = 64 / self.size;
+        for (at, chunk) in chunks.iter().enumerate() {
+            let words = chunk.as_chunks::<8>().0;
+            if words.iter().fold(0, |all, word| all | u64::from_le_bytes(*word)) & mask != 0 {
+                each(chunk, self.first + at * per_chunk);
+            }
+        }
+        each(rest, self.first + chunks.len() * per_chunk);
+    }
 }
 
 /// Working memory.
@@ -60,7 +112,7 @@ impl Still {
         }
         let bodies = StillBodies::new(world, collision);
         let mut out =
-            Still { bodies, always: vec![], moving: vec![], timed: vec![], watched: vec![], referrers: vec![] };
+            Still { bodies, always: vec![], moving: vec![], timed: vec![], watched: vec![], rows: vec![], referrers: vec![] };
         let mut known: Option<(&Arc<Code>, bool)> = None;
         for (actor, is_still) in actors.iter().zip(still.iter()) {
             let (slot, entity) = (actor.id.0, &*actor.entity);
@@ -83,11 +135,15 @@ impl Still {
             if !waits {
                 out.always.push(slot);
             } else if actor.touches > 0 {
-                let from = actor.layout.touches;
-                out.watched.push(Watched { slot, bytes: (from as u32, (from + actor.touches.div_ceil(8)) as u32) });
+                let row = Row::of(actor, out.watched.len());
+                out.watched.push(slot);
+                match out.rows.last_mut().filter(|last| last.is_followed_by(&row)) {
+                    Some(last) => last.count += 1,
+                    None => out.rows.push(row),
+                }
             }
         }
-        let is_watched = |slot: &usize| out.watched.binary_search_by_key(&(*slot as u32), |w| w.slot).is_ok();
+        let is_watched = |slot: &usize| out.watched.binary_search(&(*slot as u32)).is_ok();
         collision.contact_readers.retain(|slot| !is_watched(slot));
         Some(Box::new(out))
     }
@@ -189,11 +245,9 @@ impl Simulator {
     ) {
         let Scratch { awake, visited } = scratch;
         awake.clear();
-        let is_set = |watched: &&Watched| {
-            let (from, to) = watched.bytes;
-            state[from as usize..to as usize].iter().any(|byte| *byte != 0)
-        };
-        awake.extend(still.watched.iter().filter(is_set).map(|watched| watched.slot));
+        for row in &still.rows {
+            row.find(state, |at| awake.push(still.watched[at]));
+        }
         visited.clear();
         // Both are in order.
         let mut always = still.always.as_slice();

@@ -217,6 +217,13 @@ impl StillBodies {
     }
 }
 
+impl StillBodies {
+    /// The box of a collider by its number among them; `None` if it is empty.
+    pub fn rect(&self, at: usize) -> Option<Rect> {
+        Some(self.rects[at]).filter(|rect| rect.active)
+    }
+}
+
 /// The box of a body, active if it is not empty.
 fn rect(world: &World, body: &Body) -> Rect {
     let slot = &world.slots[body.slot];
@@ -318,7 +325,7 @@ impl Simulator {
 
     /// Whether a collider of an instance that never moves is there.
     #[inline]
-    fn is_there(&self, body: &Body, state: &[u8], frames: &Frames) -> bool {
+    pub(super) fn is_there(&self, body: &Body, state: &[u8], frames: &Frames) -> bool {
         if !body.layout.acts(state) {
             return false;
         }

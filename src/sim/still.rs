@@ -180,7 +180,7 @@ impl Simulator {
     #[inline(never)]
     pub(super) fn decide_awake(
         &self,
-        (still, scratch): (&Still, &mut Scratch),
+        scratch: &mut Scratch,
         state: &[u8],
         frames: &Frames,
         taken: &mut [Option<TakenEdge>],
@@ -188,6 +188,7 @@ impl Simulator {
         fault: &Cell<Option<Fault>>,
     ) {
         let Scratch { awake, visited } = scratch;
+        let Some(still) = &self.still else { return };
         awake.clear();
         let is_set = |watched: &&Watched| {
             let (from, to) = watched.bytes;
@@ -209,7 +210,8 @@ impl Simulator {
 
     /// Advances the timers of instances that never move.
     #[inline(never)]
-    pub(super) fn count_still_timers(&self, still: &Still, state: &mut [u8]) {
+    pub(super) fn count_still_timers(&self, state: &mut [u8]) {
+        let Some(still) = &self.still else { return };
         for &slot in &still.timed {
             let actor = &self.actors[slot as usize];
             if actor.layout.acts(state) {

@@ -79,6 +79,7 @@ fn bricks(c: &mut Criterion) {
     for (columns, rows) in [(10, 5), (200, 100)] {
         let row = |tile: &str| format!("#{}#\n", tile.repeat(columns));
         let map = row("#") + &row("b").repeat(rows) + &row(".").repeat(20) + &row("#");
+        let map = map.trim_end();
         let middle = 4 * columns;
         let program = program(compile_text(&format!(
             "entity Ball {{
@@ -128,6 +129,7 @@ fn coins(c: &mut Criterion) {
     for (columns, rows) in [(10, 5), (250, 20)] {
         let row = |tile: &str| format!("#{}#\n", tile.repeat(columns));
         let map = row(".") + &row("c").repeat(rows) + &row(".") + &row("#");
+        let map = map.trim_end();
         let program = program(compile_text(&format!(
             "entity Hero {{
                  axis across

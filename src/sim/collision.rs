@@ -585,6 +585,7 @@ impl Simulator {
     }
 
     /// Handles the rectangles of a body's space; returns their number.
+    #[inline(always)]
     pub(super) fn collide_solids(
         &self,
         state: &mut [u8],

@@ -15,22 +15,18 @@ use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::simulator::{Scratch, Simulator};
 use super::state::{set_triple, triple};
-use super::still::Still;
 
 impl Simulator {
-    /// Moves every live slot by one step.
-    pub(super) fn flow(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+    /// Moves every live slot by one step; `STILL` as in [`Simulator::step_of`].
+    #[inline(always)]
+    pub(super) fn flow<const STILL: bool>(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         match &self.still {
-            None => self.flow_of(self.actors.iter(), state, scratch),
-            Some(still) => self.flow_moving(still, state, scratch),
+            Some(still) if STILL => {
+                self.count_still_timers(state);
+                self.flow_of(still.moving.iter().map(|slot| &self.actors[*slot as usize]), state, scratch)
+            }
+            _ => self.flow_of(self.actors.iter(), state, scratch),
         }
-    }
-
-    /// As [`Simulator::flow`], without the instances that never move.
-    #[inline(never)]
-    fn flow_moving(&self, still: &Still, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
-        self.count_still_timers(still, state);
-        self.flow_of(still.moving.iter().map(|slot| &self.actors[*slot as usize]), state, scratch)
     }
 
     /// Moves some slots by one step, as far as there are instances.

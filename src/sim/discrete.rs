@@ -31,15 +31,17 @@ pub(super) struct ActingGroup {
 }
 
 impl Simulator {
-    /// Takes the edges of every live slot.
-    pub(super) fn transitions(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+    /// Takes the edges of every live slot; `STILL` as in [`Simulator::step_of`].
+    #[inline(always)]
+    pub(super) fn transitions<const STILL: bool>(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
         let Scratch { before, frames, taken, acting, changes, still: awake, .. } = scratch;
         let fault = Cell::new(None);
         changes.clear();
         acting.clear();
-        match &self.still {
-            None => self.decide(self.actors.iter(), state, frames, taken, acting, &fault),
-            Some(still) => self.decide_awake((still, awake), state, frames, taken, acting, &fault),
+        if STILL {
+            self.decide_awake(awake, state, frames, taken, acting, &fault);
+        } else {
+            self.decide(self.actors.iter(), state, frames, taken, acting, &fault);
         }
         Self::check_fault(&fault)?;
         // In most steps no edge is taken, and no copy of the state is needed.

@@ -403,7 +403,7 @@ impl SlotLayout {
 
     /// Clears all contacts of the instance; `count` is the number of its contact queries, `bound` the number of those
     /// that store what is touched.
-    #[inline]
+    #[inline(always)]
     pub fn clear_touches(&self, state: &mut [u8], count: usize, bound: usize) {
         match count {
             0 => return,

@@ -236,7 +236,7 @@ impl Simulator {
     #[inline(never)]
     pub(super) fn decide_awake(
         &self,
-        (still, scratch): (&Still, &mut Scratch),
+        scratch: &mut Scratch,
         state: &[u8],
         frames: &Frames,
         taken: &mut [Option<TakenEdge>],
@@ -244,6 +244,7 @@ impl Simulator {
         fault: &Cell<Option<Fault>>,
     ) {
         let Scratch { awake, visited } = scratch;
+        let Some(still) = &self.still else { return };
         awake.clear();
         for row in &still.rows {
             row.find(state, |at| awake.push(still.watched[at]));
@@ -263,7 +264,8 @@ impl Simulator {
 
     /// Advances the timers of instances that never move.
     #[inline(never)]
-    pub(super) fn count_still_timers(&self, still: &Still, state: &mut [u8]) {
+    pub(super) fn count_still_timers(&self, state: &mut [u8]) {
+        let Some(still) = &self.still else { return };
         for &slot in &still.timed {
             let actor = &self.actors[slot as usize];
             if actor.layout.acts(state) {

@@ -83,6 +83,7 @@ const LARGE: usize = 1 << 14;
 
 impl Simulator {
     /// Handles the tiles near a body; returns the number of examined tiles that the meter has not counted.
+    #[inline(always)]
     pub(super) fn collide_tiles(
         &self,
         state: &mut [u8],

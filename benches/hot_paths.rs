@@ -134,7 +134,8 @@ fn coins(c: &mut Criterion) {
             "entity Hero {{
                  axis across
                  collider body: rect(1, 0, 6, 7)
-                 x' = 60 * across
+                 param speed = 60
+                 x' = speed * across
                  y'' = -100
              }}
              entity Coin {{

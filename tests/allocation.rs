@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use crate::support::{Disk, files, program};
+use crate::support::{Disk, compile_text, files, program};
 use allocation_counter::measure;
 use hypedc::compile::compile;
-use hypedc::ir::{Id, World};
+use hypedc::ir::{Id, World, WorldId};
 use hypedc::sim::{Input, Simulator};
 
 /// Number of counted steps in each world.
@@ -48,6 +48,50 @@ fn a_step_allocates_nothing() {
     }
     assert!(worlds >= 10, "the worlds are there");
     assert!(reached + violated > 0, "some world gets somewhere");
+}
+
+#[test]
+fn a_coin_takes_a_byte_or_two_of_a_state() {
+    let size = |coin: &str| {
+        let row = |tile: &str| format!("{}\n", tile.repeat(250));
+        let text = format!(
+            "entity Hero {{ collider body: rect(0, 0, 8, 8)
+                 mode idle {{ when touching(body, coin) as it {{ destroy it }} }} }}
+             entity Coin {{ collider coin: rect(2, 2, 4, 4)
+                 {coin} }}
+             world Mint {{
+                 collide body with coin: sense
+                 tiles mine 8 x 8 {{ '.': empty; 'c': spawn Coin }}
+                 space main {{
+                     map mine \"
+{}
+                     \"
+                     place hero: Hero at (40, 4)
+                 }}
+                 goal poor: not any Coin
+             }}",
+            (row("c").repeat(20) + &row(".")).trim_end()
+        );
+        let program = program(compile_text(&text));
+        let sim = Simulator::new(&program, WorldId(0));
+        let (mut scratch, mut run) = (sim.scratch(), 0);
+        let mut state = sim.initial(&mut scratch).unwrap();
+        let living = |state: &[u8]| sim.instances(state).count();
+        let before = living(&state);
+        let counted = measure(|| {
+            for _ in 0..10 {
+                sim.step(&mut state, &Input::default(), &mut scratch).unwrap();
+                run += 1;
+            }
+        });
+        assert_eq!((before, run, counted.count_total), (5_001, 10, 0));
+        assert!(living(&state) < before, "one is collected");
+        state.len() / 5_000
+    };
+    assert_eq!(size(""), 1);
+    assert_eq!(size("always { when touching(coin, body) { destroy self } }"), 2);
+    assert_eq!(size("always { when touching(coin, body) as by { destroy self } }"), 4);
+    assert_eq!(size("mode there { when touching(coin, body) -> gone } mode gone { }"), 4);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, files, stir};
+use crate::support::{Disk, compile_text, files, stir};
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Expr, GoalId, Program, WorldId, verify};
@@ -35,9 +35,44 @@ fn programs() -> Vec<(String, Arc<Program>, SourceMap)> {
             break;
         }
     }
+    let coins = compile_text(COINS);
+    all.push(("coins".into(), coins.program.unwrap(), coins.sources));
     assert!(all.len() > 10, "{}", all.len());
     all
 }
+
+/// Many instances that never move.
+const COINS: &str = "
+entity Hero {
+    axis across
+    param speed = 60
+    collider body: rect(1, 0, 6, 7)
+    x' = speed * across
+}
+entity Coin {
+    discrete left: int 0..2 = 2
+    collider coin: rect(2, 2, 4, 4) when not in gone
+    mode there { when touching(coin, body) as by -> gone { left -= 1 } }
+    mode gone { when timer > 0.5 and left > 0 -> there }
+}
+entity Stone {
+    kinematic collider stone: circle(4, 4, 4)
+    always { when touching(stone, body) { destroy self } }
+}
+world Mint {
+    collide body with coin: sense
+    collide body with stone: block
+    tiles mine 8 x 8 { '.': empty; 'c': spawn Coin; 's': spawn Stone }
+    space main {
+        map mine \"
+            cccccccccccc
+            .s.s.s.s.s.s
+        \"
+        place hero: Hero at (0, 8)
+    }
+    player 1: hero
+    goal rich: not any Stone
+}";
 
 fn written(program: &Program, sources: &SourceMap) -> String {
     let mut out = Vec::new();

@@ -8,8 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::analysis::{ConfigurationSpace, Membership, Outside, Reading};
 use crate::ir::{
-    DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, VarId, World,
-    WorldId,
+    DiscreteId, GroupId, Id, LeafId, ParamId, Program, SlotLayout, SpaceId, TimerId, TouchId, VarId, World, WorldId,
 };
 use crate::sim::{Script, Simulator, state};
 use crate::watch::Meter;

@@ -5,8 +5,8 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Program, Rest, SlotId, SlotLayout,
-    Step, Subject, TimerId, TouchId, VarId, World,
+    CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Program, Rest,
+    SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
 };
 
 /// The flow of a variable in a step: degree and value.
@@ -237,12 +237,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
 }
 
 /// An expression, or its value if it is constant, as the variables are where an instance rests.
-fn folded(
-    program: &Program,
-    id: ExprId,
-    (params, rest): (&IdVec<ParamId, f64>, Option<&Rest>),
-    step: Step,
-) -> Expr {
+fn folded(program: &Program, id: ExprId, (params, rest): (&IdVec<ParamId, f64>, Option<&Rest>), step: Step) -> Expr {
     let expr = program.exprs[id];
     match (program.constant(id, params, step), expr) {
         (None, Expr::Var(Subject::Me, var, degree)) => rest.map_or(expr, |rest| {

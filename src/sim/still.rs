@@ -111,8 +111,15 @@ impl Still {
             return None;
         }
         let bodies = StillBodies::new(world, collision);
-        let mut out =
-            Still { bodies, always: vec![], moving: vec![], timed: vec![], watched: vec![], rows: vec![], referrers: vec![] };
+        let mut out = Still {
+            bodies,
+            always: vec![],
+            moving: vec![],
+            timed: vec![],
+            watched: vec![],
+            rows: vec![],
+            referrers: vec![],
+        };
         let mut known: Option<(&Arc<Code>, bool)> = None;
         for (actor, is_still) in actors.iter().zip(still.iter()) {
             let (slot, entity) = (actor.id.0, &*actor.entity);

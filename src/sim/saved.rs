@@ -177,6 +177,9 @@ impl Simulator {
             add(&table.name);
             add(&entity.name);
             entity.vars.iter().for_each(|name| add(name));
+            if layout.rest.is_some() {
+                add("rests");
+            }
             if layout.params.is_some() {
                 entity.params.iter().for_each(|param| add(&param.name));
             }

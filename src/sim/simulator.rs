@@ -114,7 +114,7 @@ impl Simulator {
     /// Prepares a world.
     pub fn new(program: &Arc<Program>, id: WorldId) -> Self {
         let world = &program.worlds[id];
-        let still = program.still_slots(world);
+        let still = world.layout.slots.iter().map(|layout| layout.rest.is_some()).collect();
         let mut collision = Collision::new(program, world, &still);
         let lives_change = world.slots.iter().any(|s| {
             let e = &program.entities[s.entity];

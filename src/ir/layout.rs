@@ -74,7 +74,7 @@ pub struct SlotLayout {
     /// A `u32` for each contact query that is bound, if any of the entity can name a tile: 0, or 1 plus the tile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<usize>,
-    /// A `u16` for each group: the active leaf. An entity with one leaf whose instance never moves has no place of its own.
+    /// A `u16` for each group: the active leaf; for one that never moves and has one leaf, a place that is 0 for all.
     pub leaves: usize,
     /// A `u16` for each envelope: 0, or 1 plus the number of the direction in which its peak was reached.
     pub peaks: usize,

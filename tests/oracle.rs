@@ -140,7 +140,8 @@ fn worlds_with_many_instances_that_never_move_have_the_same_states() {
     println!("{tally:?}");
     // Otherwise the test is weak.
     assert!(tally.worlds * 100 >= worlds as usize * 25, "{tally:?}");
-    assert!(tally.edges > tally.worlds && tally.contacts > tally.worlds && tally.destroyed > tally.worlds, "{tally:?}");
+    assert!(tally.edges > tally.worlds && tally.contacts > tally.worlds, "{tally:?}");
+    assert!(2 * tally.destroyed > tally.worlds, "{tally:?}");
 }
 
 #[test]

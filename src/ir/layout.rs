@@ -208,6 +208,7 @@ fn alignment(e: &Entity) -> usize {
     }
 }
 
+/// Whether no other leaf can be active: the place of the leaf is always 0.
 fn has_one_leaf(e: &Entity) -> bool {
-    e.leaves.len() == 1 && e.groups.len() == 1
+    e.leaves.len() <= 1 && e.groups.len() <= 1
 }

@@ -509,8 +509,8 @@ impl Simulator {
         if meeting.response.carry {
             let board = |state: &mut [u8], rider: &Body, on: &Body| {
                 let layout = self.layout(rider.slot);
-                if !rider.kinematic && layout.carrier(state).is_none_or(|c| on.slot < c) {
-                    layout.set_carrier(state, Some(on.slot));
+                if !rider.kinematic && layout.moving_carrier(state).is_none_or(|c| on.slot < c) {
+                    layout.set_moving_carrier(state, Some(on.slot));
                 }
             };
             match side {

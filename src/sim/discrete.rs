@@ -225,7 +225,7 @@ impl Simulator {
     pub(super) fn update(&self, state: &mut [u8], slot: SlotId, reader: &Reader<'_>, update: &Update) {
         let value = reader.number(update.value);
         match update.place {
-            Place::Var(var, degree) => self.layout(slot).set_var(state, var, degree, value),
+            Place::Var(var, degree) => self.layout(slot).set_moving_var(state, var, degree, value),
             Place::Discrete(id) => {
                 let (low, high) = self.entity(slot).discretes[id].range;
                 let fits = value >= f64::from(low) && value <= f64::from(high) && value.fract() == 0.0;

@@ -183,7 +183,7 @@ fn unit<const N: usize>(v: [f64; N]) -> [f64; N] {
 #[inline]
 fn current<const N: usize>(reader: &Reader<'_>, envelope: &Envelope) -> [f64; N] {
     let layout = reader.own_layout();
-    let value = |i: usize| envelope.vars.get(i).map_or(0.0, |&v| layout.var(reader.state, v, envelope.degree));
+    let value = |i: usize| envelope.vars.get(i).map_or(0.0, |&v| layout.moving_var(reader.state, v, envelope.degree));
     vector(value)
 }
 

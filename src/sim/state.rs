@@ -164,8 +164,14 @@ impl SlotLayout {
     #[inline]
     pub fn set_var(&self, state: &mut [u8], var: VarId, degree: u8, value: f64) {
         if self.rest.is_none() {
-            set_real(state, self.var_offset(var, degree), one_zero(value));
+            self.set_moving_var(state, var, degree, value);
         }
+    }
+
+    /// As [`SlotLayout::set_var`], of an instance that may move.
+    #[inline]
+    pub(super) fn set_moving_var(&self, state: &mut [u8], var: VarId, degree: u8, value: f64) {
+        set_real(state, self.var_offset(var, degree), one_zero(value));
     }
 
     /// The first continuous variables, each with its derivatives.
@@ -355,15 +361,27 @@ impl SlotLayout {
     /// The carrier of the instance.
     #[inline]
     pub fn carrier(&self, state: &[u8]) -> Option<SlotId> {
-        if self.rest.is_some() { None } else { slot(state, self.carrier) }
+        if self.rest.is_some() { None } else { self.moving_carrier(state) }
     }
 
-    /// Sets the carrier of the instance, which may move.
+    /// As [`SlotLayout::carrier`], of an instance that may move.
+    #[inline]
+    pub(super) fn moving_carrier(&self, state: &[u8]) -> Option<SlotId> {
+        slot(state, self.carrier)
+    }
+
+    /// Sets the carrier of the instance; one that never moves has none.
     #[inline]
     pub fn set_carrier(&self, state: &mut [u8], carrier: Option<SlotId>) {
         if self.rest.is_none() {
-            set_slot(state, self.carrier, carrier);
+            self.set_moving_carrier(state, carrier);
         }
+    }
+
+    /// As [`SlotLayout::set_carrier`], of an instance that may move.
+    #[inline]
+    pub(super) fn set_moving_carrier(&self, state: &mut [u8], carrier: Option<SlotId>) {
+        set_slot(state, self.carrier, carrier);
     }
 
     /// 0, or 1 plus the number of the direction in which an envelope reached its peak.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Program, Rest,
-    SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
+    Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
 };
 
 /// The flow of a variable in a step: degree and value.
@@ -249,6 +249,34 @@ fn folded(program: &Program, id: ExprId, (params, rest): (&IdVec<ParamId, f64>, 
             Expr::Bool(value != 0.0)
         }
         (Some(value), _) => Expr::Number(value),
+    }
+}
+
+/// The box of a collider, if it is constant.
+pub(super) fn fixed_box(program: &Program, world: &World, slot: SlotId, shape: &Shape) -> Option<[f64; 4]> {
+    let slot = &world.slots[slot];
+    let none = IdVec::new();
+    let params = if slot.is_fixed { &slot.params } else { &none };
+    shape.sides(|id| program.constant(id, params, world.step))
+}
+
+/// The leaves in which a guard holds, if it depends only on modes of one group of the entity itself.
+pub(super) fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId, Vec<bool>)> {
+    let both = |a: ExprId, b: ExprId, join: &dyn Fn(bool, bool) -> bool| {
+        let ((group, a), (other, b)) = (leaves(program, entity, a)?, leaves(program, entity, b)?);
+        let joined = a.iter().zip(&b).map(|(a, b)| join(*a, *b)).collect();
+        (group == other).then_some((group, joined))
+    };
+    match program.exprs[guard] {
+        Expr::InMode(Subject::Me, mode) => {
+            let mode = &entity.modes[mode];
+            let inside = mode.leaves;
+            Some((mode.group, entity.leaves.ids().map(|leaf| inside.contains(leaf)).collect()))
+        }
+        Expr::Not(a) => leaves(program, entity, a).map(|(group, held)| (group, held.iter().map(|h| !h).collect())),
+        Expr::And(a, b) => both(a, b, &|a, b| a && b),
+        Expr::Or(a, b) => both(a, b, &|a, b| a || b),
+        _ => None,
     }
 }
 

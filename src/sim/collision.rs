@@ -8,13 +8,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Bounce, Bounds, ColliderId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, Meeting, Program, Push, Response,
-    Shape, Side, SlotId, Solid, Subject, TagSet, World,
+    Bounce, Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Program, Push, Response, Shape, Side,
+    SlotId, Solid, TagSet, World,
 };
 
 use crate::watch::Meter;
 
-use super::actor::Actor;
+use super::actor::{Actor, fixed_box, leaves};
 use super::broad_phase::{BroadPhase, Sweep, each, is_few};
 use super::chance::Frames;
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
@@ -298,34 +298,6 @@ impl Collision {
             lengths: vec![0.0; kept],
             work: 0,
         }
-    }
-}
-
-/// The box of a collider, if it is constant.
-fn fixed_box(program: &Program, world: &World, slot: SlotId, shape: &Shape) -> Option<[f64; 4]> {
-    let slot = &world.slots[slot];
-    let none = IdVec::new();
-    let params = if slot.is_fixed { &slot.params } else { &none };
-    shape.sides(|id| program.constant(id, params, world.step))
-}
-
-/// The leaves in which a guard holds, if it depends only on modes of one group of the entity itself.
-fn leaves(program: &Program, entity: &Entity, guard: ExprId) -> Option<(GroupId, Vec<bool>)> {
-    let both = |a: ExprId, b: ExprId, join: &dyn Fn(bool, bool) -> bool| {
-        let ((group, a), (other, b)) = (leaves(program, entity, a)?, leaves(program, entity, b)?);
-        let joined = a.iter().zip(&b).map(|(a, b)| join(*a, *b)).collect();
-        (group == other).then_some((group, joined))
-    };
-    match program.exprs[guard] {
-        Expr::InMode(Subject::Me, mode) => {
-            let mode = &entity.modes[mode];
-            let inside = mode.leaves;
-            Some((mode.group, entity.leaves.ids().map(|leaf| inside.contains(leaf)).collect()))
-        }
-        Expr::Not(a) => leaves(program, entity, a).map(|(group, held)| (group, held.iter().map(|h| !h).collect())),
-        Expr::And(a, b) => both(a, b, &|a, b| a && b),
-        Expr::Or(a, b) => both(a, b, &|a, b| a || b),
-        _ => None,
     }
 }
 

@@ -92,7 +92,13 @@ pub fn program(choices: &[u16]) -> String {
     let text = text.replacen("    mode a0 {\n", &format!("    mode a0 {{\n        {ask}\n"), 1);
     let text = text.replacen("    tiles t 16", &format!("{rules}    tiles t 16"), 1);
     let text = text.replacen("    space main {\n", &format!("    space main {{\n{places}"), 1);
-    let goals = "    goal lamps: count(Lamp in lit) >= 2\n    goal gone: not any Lamp\n    goal third: near(lamp3, (20, 8), 16)\n    goal there: lamp5.x > 8\n";
+    let goals = [
+        "lamps: count(Lamp in lit) >= 2",
+        "gone: not any Lamp",
+        "third: near(lamp3, (20, 8), 16)",
+        "there: lamp5.x > 8",
+    ];
+    let goals: String = goals.iter().map(|goal| format!("    goal {goal}\n")).collect();
     lamp + &text.replacen("    player 1: hero\n", &format!("    player 1: hero\n{goals}"), 1)
 }
 

@@ -13,7 +13,6 @@ use super::seam::Around;
 use super::simulator::Simulator;
 
 /// A map with the contact rules of one kind of body.
-#[derive(Clone, Copy)]
 struct Tiles<'a> {
     map: &'a TileMap<TagId>,
     /// For each kind of tile.
@@ -38,20 +37,20 @@ struct Tile {
 
 impl Tiles<'_> {
     /// Whether the tile of a cell, by its index, blocks.
-    fn blocks(self, state: &[u8], at: usize) -> bool {
+    fn blocks(&self, state: &[u8], at: usize) -> bool {
         let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
         met.is_some_and(|w| w.meeting.response.push == Push::Block) && !self.is_gone(state, at)
     }
 
     /// Whether the tile of a cell is broken.
     #[inline]
-    fn is_gone(self, state: &[u8], at: usize) -> bool {
+    fn is_gone(&self, state: &[u8], at: usize) -> bool {
         self.breakables.is_some_and(|(breakables, space)| breakables.is_gone(state, space, at))
     }
 
     /// Whether the neighbour blocks that covers the face of a tile which a side of a body touches.
     #[inline]
-    fn covers(self, state: &[u8], tile: Tile, side: Side) -> bool {
+    fn covers(&self, state: &[u8], tile: Tile, side: Side) -> bool {
         let Tile { column, row, at } = tile;
         if let Some(around) = self.around {
             return self.covers_around(state, around, tile, side);
@@ -67,7 +66,7 @@ impl Tiles<'_> {
 
     /// As [`Tiles::covers`] in a space that wraps.
     #[cold]
-    fn covers_around(self, state: &[u8], around: &Around, Tile { column, row, .. }: Tile, side: Side) -> bool {
+    fn covers_around(&self, state: &[u8], around: &Around, Tile { column, row, .. }: Tile, side: Side) -> bool {
         let (x, y) = match side {
             Side::Right => (-1, 0),
             Side::Left => (1, 0),
@@ -112,7 +111,7 @@ impl Simulator {
             for (index, &kind) in cells.iter().enumerate() {
                 if let Some(with) = &encounters[usize::from(kind)] {
                     let cell = Tile { column: (first + index) as i64, row: row as i64, at: start + first + index };
-                    self.collide_tile(state, (body, rect), tiles, cell, with, displacement);
+                    self.collide_tile(state, (body, rect), &tiles, cell, with, displacement);
                 }
             }
         }
@@ -146,7 +145,7 @@ impl Simulator {
                 let Some(at) = around.cell(map, column, row) else { continue };
                 let Some(with) = &tiles.encounters[usize::from(map.cells[at])] else { continue };
                 examined += 1;
-                self.collide_tile(state, (body, rect), tiles, Tile { column, row, at }, with, displacement);
+                self.collide_tile(state, (body, rect), &tiles, Tile { column, row, at }, with, displacement);
             }
         }
         examined
@@ -158,7 +157,7 @@ impl Simulator {
         &self,
         state: &mut [u8],
         (body, rect): (&Body, &Rect),
-        tiles: Tiles<'_>,
+        tiles: &Tiles<'_>,
         cell: Tile,
         with: &Encounter,
         displacement: &mut Displacement,

@@ -16,6 +16,7 @@ mod properties;
 mod seams;
 mod semantics;
 mod smb;
+mod start;
 mod trace;
 mod view;
 mod zelda;

@@ -21,6 +21,7 @@ mod operators;
 mod period;
 mod program;
 mod rare;
+mod slope;
 mod spans;
 mod targets;
 mod text;
@@ -50,6 +51,7 @@ pub use program::{
     Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,
 };
 pub use rare::RareVec;
+pub use slope::{Misfit, Slope};
 pub use spans::{EntitySpans, Spans, WorldSpans};
 pub use text::text;
 pub use tile_map::{TileKind, TileMap};

@@ -479,9 +479,9 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
                 Some(steps) => format!(" breakable, restored after {steps} steps"),
                 None => " breakable".into(),
             });
-            let slope = kind.slope.map_or(String::new(), |slope| {
-                format!(" slope (0, {})-({}, {})", slope.left, map.tile.0, slope.right)
-            });
+            let slope = kind
+                .slope
+                .map_or(String::new(), |slope| format!(" slope (0, {})-({}, {})", slope.left, map.tile.0, slope.right));
             writeln!(out, "    {} {}{slope}{breakable}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
         }
         for row in (0..map.rows).rev() {

@@ -124,12 +124,8 @@ pub fn inline_map<T: Clone>(
         let known = known.keys().chain(others).copied().collect();
         diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1, known });
     }
-    let kind = |t: &InlineTile<T>| TileKind {
-        symbol: t.symbol,
-        tags: t.tags.clone(),
-        slope: t.slope,
-        breakable: t.breakable,
-    };
+    let kind =
+        |t: &InlineTile<T>| TileKind { symbol: t.symbol, tags: t.tags.clone(), slope: t.slope, breakable: t.breakable };
     let kinds = tiles.iter().map(kind).collect();
     fits.then_some(TileMap { columns, rows: rows.len(), tile, kinds, cells })
 }

@@ -99,8 +99,13 @@ impl Line {
         if left <= x && x <= right && bottom <= y && y <= self.at(x) {
             return 0.0;
         }
-        let corners =
-            [(left, bottom), (right, bottom), (right, bottom + slope.right), (left, bottom + slope.left), (left, bottom)];
+        let corners = [
+            (left, bottom),
+            (right, bottom),
+            (right, bottom + slope.right),
+            (left, bottom + slope.left),
+            (left, bottom),
+        ];
         let mut least = f64::INFINITY;
         for (index, from) in corners.iter().enumerate().take(4) {
             let to = corners[index + 1];

@@ -89,7 +89,13 @@ impl Simulator {
     }
 
     /// The contact of a body with a slope. Depths along x are those from where nothing has pushed it.
-    fn slope_contact(&self, state: &[u8], mover: Mover<'_>, (tile, line): (Tile, Line), with: &Encounter) -> Option<Contact> {
+    fn slope_contact(
+        &self,
+        state: &[u8],
+        mover: Mover<'_>,
+        (tile, line): (Tile, Line),
+        with: &Encounter,
+    ) -> Option<Contact> {
         let Mover { rect, start, pushed, tiles, around, .. } = mover;
         let (meeting, bounds) = (with.meeting, line.tile);
         let overlap = Overlap::of(&rect, &line.part(&rect), rect.back)?;
@@ -130,7 +136,8 @@ impl Simulator {
         if was_beside && !is_side_covered && !comes_from_under {
             return Some(across(overlap.horizontal()));
         }
-        let is_bottom_covered = overlap.y_side == Side::Above && tiles.is_wall(state, around, (tile.column, tile.row - 1));
+        let is_bottom_covered =
+            overlap.y_side == Side::Above && tiles.is_wall(state, around, (tile.column, tile.row - 1));
         Some(across(match (is_side_covered, is_bottom_covered) {
             (true, false) => overlap.vertical(),
             (false, true) => overlap.horizontal(),
@@ -157,7 +164,12 @@ impl Simulator {
     }
 
     /// Whether a body that a slope lifts by a way would go into what blocks it from above.
-    fn is_under_ceiling(&self, state: &[u8], Mover { kind, rect, start, tiles, around, .. }: Mover<'_>, way: f64) -> bool {
+    fn is_under_ceiling(
+        &self,
+        state: &[u8],
+        Mover { kind, rect, start, tiles, around, .. }: Mover<'_>,
+        way: f64,
+    ) -> bool {
         let lifted = rect.moved([0.0, way]);
         let is_hit = |b: Bounds| {
             start.top <= b.bottom + TOLERANCE

@@ -2,26 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use crate::support::{compile_text, program};
-use hypedc::ir::WorldId;
-use hypedc::sim::{Simulator, parse_script};
-use hypedc::source::SourceMap;
-
-/// The goals that hold after some steps.
-fn after(text: &str, script: &str) -> Vec<String> {
-    let program = program(compile_text(text));
-    let sim = Simulator::new(&program, WorldId(0));
-    let mut scratch = sim.scratch();
-    let mut state = sim.initial(&mut scratch).unwrap();
-    let file = SourceMap::new().add("inputs", script);
-    let (script, found) = parse_script(&program, WorldId(0), file, script);
-    assert!(found.is_empty(), "{found:?}");
-    for input in script.inputs() {
-        sim.step(&mut state, input, &mut scratch).unwrap();
-    }
-    let goals = program.worlds[WorldId(0)].goals.pairs();
-    goals.filter(|(id, _)| sim.goal(&state, *id).unwrap()).map(|(_, goal)| goal.name.clone()).collect()
-}
+use crate::support::goals_after as after;
 
 /// Whether a guard of an `A` at (10, 0), which has a reference `b` to `one`, holds in the first step.
 fn holds(guard: &str, items: &str) -> bool {

@@ -62,9 +62,4 @@ impl BreakableTiles {
         }
         out
     }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
-    }
 }

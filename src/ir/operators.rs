@@ -104,6 +104,26 @@ pub enum Side {
     Below,
 }
 
+impl Side {
+    /// Every side.
+    pub const ALL: [Side; 4] = [Side::Left, Side::Right, Side::Above, Side::Below];
+
+    /// Its word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Left => "left",
+            Side::Right => "right",
+            Side::Above => "above",
+            Side::Below => "below",
+        }
+    }
+
+    /// The side of a word.
+    pub fn named(word: &str) -> Option<Side> {
+        Side::ALL.into_iter().find(|side| side.name() == word)
+    }
+}
+
 /// What an update can write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]

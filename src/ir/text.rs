@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::{
     Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Origin, Place, Press,
-    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Side, Subject, TagSet, TileLayout, World,
+    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Subject, TagSet, TileLayout, World,
 };
 
 /// Formats a program.
@@ -74,7 +74,7 @@ impl EntityText<'_> {
             writeln!(out, "  {id} {kinematic}{}: {shape}({}){guard}", tags(p, c.tags), numbers.join(", "))?;
         }
         for (id, t) in e.touches.pairs() {
-            let side = t.side.map_or(String::new(), |s| format!(", {}", side(s)));
+            let side = t.side.map_or(String::new(), |s| format!(", {}", s.name()));
             let kept = kept(t.bound, t.tiles);
             writeln!(out, "  {id} ({}, {}{side}){kept}", tags(p, t.mine), tags(p, TagSet::of(t.other)))?;
         }
@@ -279,15 +279,6 @@ impl EntityText<'_> {
             Subject::Slot(_) | Subject::Touched(_) | Subject::Probed(_) => None,
         };
         expression(self.p, id, &entity, self.e, &|of| self.owner(of))
-    }
-}
-
-fn side(side: Side) -> &'static str {
-    match side {
-        Side::Left => "left",
-        Side::Right => "right",
-        Side::Above => "above",
-        Side::Below => "below",
     }
 }
 

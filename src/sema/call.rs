@@ -249,22 +249,14 @@ impl Checker<'_> {
             };
             words.push(Name { text, span: argument.span });
         }
-        let side = |word: &Name| {
-            Some(match &*word.text {
-                "left" => Side::Left,
-                "right" => Side::Right,
-                "above" => Side::Above,
-                "below" => Side::Below,
-                _ => return None,
-            })
-        };
+        let side = |word: &Name| Side::named(&word.text);
         let (mine, other, on) = match words.as_slice() {
             [other] => (None, other, None),
             [other, on] if side(on).is_some() => (None, other, side(on)),
             [mine, other] => (Some(mine), other, None),
             [mine, other, on] if side(on).is_some() => (Some(mine), other, side(on)),
             [_, _, on] => {
-                let fact = unknown("side", &on.text, on.span, ["left", "right", "above", "below"]);
+                let fact = unknown("side", &on.text, on.span, Side::ALL.map(Side::name));
                 self.diagnostics.report(fact.meaning(foreign::side(&on.text)));
                 return None;
             }

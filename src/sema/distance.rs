@@ -32,9 +32,7 @@ impl Checker<'_> {
             wrong(self, forms);
             return None;
         };
-        let is_known = scope.world.is_some() || scope.entity.is_some();
-        let reads = if scope.world.is_some() { ReadLimit::All } else { ReadLimit::State };
-        self.allow(is_known.then_some(()), span, scope, reads, "`near`")?;
+        self.allow_inside(span, scope, ReadLimit::State, "`near`")?;
         let Place { at: [x, y], tested } = self.position(place, scope, true)?;
         let radius = self.number(radius, scope)?;
         let near = |of| TermKind::Near(Box::new((of, [x, y, radius])));
@@ -58,8 +56,6 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         wrong: impl Fn(&mut Self, &'static str),
     ) -> Option<Term> {
-        let is_known = scope.world.is_some() || scope.entity.is_some();
-        let reads = if scope.world.is_some() { ReadLimit::All } else { ReadLimit::State };
         let (subject, place) = match arguments {
             [place] if scope.world.is_none() => (None, place),
             [subject, place] => (Some(subject), place),
@@ -72,7 +68,7 @@ impl Checker<'_> {
                 return None;
             }
         };
-        self.allow(is_known.then_some(()), span, scope, reads, "`distance`")?;
+        self.allow_inside(span, scope, ReadLimit::State, "`distance`")?;
         let of = match subject {
             None => Subject::Me,
             Some(subject) if scope.world.is_some() => Subject::Slot(self.instance(subject, scope)?.0),

@@ -380,6 +380,19 @@ impl Checker<'_> {
         }
     }
 
+    /// As [`Checker::allow`], of what a world may ask in its predicates and an entity where it may read `in_entity`.
+    pub(super) fn allow_inside(
+        &mut self,
+        at: Span,
+        scope: &Scope<'_>,
+        in_entity: ReadLimit,
+        what: &'static str,
+    ) -> Option<()> {
+        let needs = if scope.world.is_some() { ReadLimit::All } else { in_entity };
+        let is_inside = scope.world.is_some() || scope.entity.is_some();
+        self.allow(is_inside.then_some(()), at, scope, needs, what)
+    }
+
     /// `item` if the scope has it and is allowed to read it.
     pub(super) fn allow<T>(
         &mut self,

@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::ir::Side;
 use crate::source::Span;
 use crate::syntax::ast::{
     self, BinaryOp, Expr, ExprKind, Item, MapSource, Member, SpaceItem, TileSpawn, Update, Word, WorldItem,
@@ -307,7 +308,9 @@ fn tag(argument: &Expr) -> Option<&str> {
 /// The tag of what a call of `touching` finds; a side may follow it, and a collider of one's own precede it.
 fn other(call: &ast::Call) -> Option<&str> {
     let mut tags: Vec<&str> = call.arguments.iter().map(tag).collect::<Option<_>>()?;
-    if tags.len() > 1 && ["left", "right", "above", "below"].contains(&tags[tags.len() - 1]) {
+    // A probe asks for no side.
+    let is_probe = matches!(call.arguments.first()?.kind, ExprKind::Moved(_));
+    if !is_probe && tags.len() > 1 && Side::named(tags[tags.len() - 1]).is_some() {
         tags.pop();
     }
     tags.pop()

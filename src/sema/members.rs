@@ -78,9 +78,7 @@ impl Checker<'_> {
         scope: &Scope<'_>,
         ask: impl FnOnce(&mut Self, EntityId) -> Option<Term>,
     ) -> Option<Term> {
-        let reads = if scope.world.is_some() { ReadLimit::All } else { ReadLimit::Edges };
-        let is_known = scope.world.is_some() || scope.entity.is_some();
-        self.allow(is_known.then_some(()), span, scope, reads, fold.words())?;
+        self.allow_inside(span, scope, ReadLimit::Edges, fold.words())?;
         let Some(entity) = self.entity_named(name) else {
             let fact = unknown("entity", &name.text, name.span, self.entities.names());
             self.report_unknown(fact);

@@ -139,7 +139,7 @@ impl Breakables {
 
     /// Checks the bits and counts of a state from outside.
     pub fn check(&self, state: &[u8]) -> Result<(), &'static str> {
-        let TileLayout { broken, count, restoring, restored } = self.layout;
+        let TileLayout { count, restoring, restored, .. } = self.layout;
         let is_clear = |bytes: &[u8]| bytes.iter().all(|byte| *byte == 0);
         let last = self.word(state, count / 64);
         if count % 64 != 0 && last >> (count % 64) != 0 {
@@ -148,7 +148,6 @@ impl Breakables {
         if !is_clear(&state[restoring + 2 * restored..restoring + (2 * restored).next_multiple_of(8)]) {
             return Err("a tile comes back that is none");
         }
-        debug_assert!(broken <= restoring);
         for kind in &self.tiles.kinds {
             let Some(most) = kind.restore else { continue };
             for tile in (kind.tiles.0.index()..kind.tiles.1.index()).map(TileId::from_index) {
@@ -223,6 +222,11 @@ impl Simulator {
         tagged.map(|kind| breakables.count_broken(state, kind.tiles)).sum()
     }
 
+    /// Whether the tile of a cell of the map of a space is broken.
+    pub(super) fn is_gone(&self, state: &[u8], space: usize, cell: usize) -> bool {
+        self.breakables.as_ref().is_some_and(|breakables| breakables.is_gone(state, space, cell))
+    }
+
     /// Whether a tile is broken in a state.
     pub fn is_broken(&self, state: &[u8], tile: TileId) -> bool {
         self.breakables.as_ref().is_some_and(|breakables| breakables.is_broken(state, tile))
@@ -231,11 +235,6 @@ impl Simulator {
     /// The steps until a tile is back, 0 if it is there or never comes back.
     pub fn steps_until_restored(&self, state: &[u8], tile: TileId) -> u16 {
         self.breakables.as_ref().map_or(0, |breakables| breakables.steps(state, tile))
-    }
-
-    /// The breakable tile in a cell of the map of a space.
-    pub fn breakable_tile(&self, space: SpaceId, cell: usize) -> Option<TileId> {
-        self.breakables.as_ref()?.tile(space.index(), cell)
     }
 
     /// The tiles that are broken in a state, in order.

@@ -124,7 +124,7 @@ impl Encounter {
                 more = true;
                 continue;
             }
-            for side in [Side::Left, Side::Right, Side::Above, Side::Below] {
+            for side in Side::ALL {
                 if touch.side.is_none_or(|wanted| wanted == side) {
                     bits[side as usize] |= 1 << id.index();
                 }

@@ -297,8 +297,7 @@ impl Simulator {
                         let cell = around.cell(map, column, row);
                         let is_blocking = cell.is_some_and(|cell| {
                             let tile = usize::from(map.cells[cell]);
-                            let is_gone = || self.breakables.as_ref().is_some_and(|b| b.is_gone(state, space, cell));
-                            blocks(&kind.tiles[space][tile]) && !is_gone()
+                            blocks(&kind.tiles[space][tile]) && !self.is_gone(state, space, cell)
                         });
                         let (low, high) = (nth as f64 * along.0, (nth + 1) as f64 * along.0);
                         let slope = cell.and_then(|cell| self.slope_of(space, usize::from(map.cells[cell])));

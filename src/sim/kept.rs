@@ -73,7 +73,7 @@ impl Simulator {
                 self.static_contact(state, mover.body, ground.with, contact, displacement);
                 if let Some(tile) = ground.tile {
                     let boxes = (&mover.rect, &ground.part);
-                    self.touch_tile_along(state, mover.body, (ground.with, mover.tiles), boxes, tile, contact.side);
+                    self.touch_tile_along(state, mover.body, (ground.with, &mover.tiles), boxes, tile, contact.side);
                 }
             }
         }

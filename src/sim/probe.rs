@@ -220,8 +220,7 @@ impl Simulator {
             return true;
         }
         self.tiles_under(rect, asked, |cell, bounds| {
-            let is_gone = || self.breakables.as_ref().is_some_and(|b| b.is_gone(state, rect.space as usize, cell));
-            overlap(rect, &rect_at(rect, bounds)) && !is_gone()
+            overlap(rect, &rect_at(rect, bounds)) && !self.is_gone(state, rect.space as usize, cell)
         })
     }
 

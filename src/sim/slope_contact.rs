@@ -84,7 +84,7 @@ impl Simulator {
             let Some((with, line)) = tiles.slope_at(state, tile) else { continue };
             let Some(contact) = self.slope_contact(state, mover, (tile, line), with) else { continue };
             self.static_contact(state, body, with, contact, displacement);
-            self.touch_tile_along(state, body, (with, tiles), (&rect, &line.part(&rect)), tile, contact.side);
+            self.touch_tile_along(state, body, (with, &tiles), (&rect, &line.part(&rect)), tile, contact.side);
         }
     }
 

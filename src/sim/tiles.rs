@@ -41,20 +41,20 @@ pub(super) struct Tile {
 
 impl<'a> Tiles<'a> {
     /// Whether the tile of a cell, by its index, blocks.
-    pub fn blocks(self, state: &[u8], at: usize) -> bool {
+    pub fn blocks(&self, state: &[u8], at: usize) -> bool {
         let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
         met.is_some_and(|w| w.meeting.response.push == Push::Block) && !self.is_gone(state, at)
     }
 
     /// Whether the tile of a cell is broken.
     #[inline]
-    fn is_gone(self, state: &[u8], at: usize) -> bool {
+    fn is_gone(&self, state: &[u8], at: usize) -> bool {
         self.breakables.is_some_and(|(breakables, space)| breakables.is_gone(state, space, at))
     }
 
     /// Whether the neighbour blocks that covers the face of a tile which a side of a body touches.
     #[inline]
-    fn covers(self, state: &[u8], tile: Tile, side: Side, rect: &Rect, overlap: &Overlap) -> bool {
+    fn covers(&self, state: &[u8], tile: Tile, side: Side, rect: &Rect, overlap: &Overlap) -> bool {
         let Tile { column, row, at } = tile;
         if let Some(around) = self.around {
             return self.covers_around(state, around, tile, side, (rect, overlap.x_side));
@@ -72,7 +72,7 @@ impl<'a> Tiles<'a> {
     /// only for what does not come from above its line, and only if that cannot be pushed to the side.
     #[cold]
     fn covers_around(
-        self,
+        &self,
         state: &[u8],
         around: &Around,
         tile: Tile,
@@ -103,39 +103,39 @@ impl<'a> Tiles<'a> {
     }
 
     /// The contact rule with the tile of a cell, unless it is broken.
-    pub fn encounter(self, state: &[u8], at: usize) -> Option<&'a Encounter> {
+    pub fn encounter(&self, state: &[u8], at: usize) -> Option<&'a Encounter> {
         let kind = *self.map.cells.get(at)?;
         self.encounters[usize::from(kind)].as_ref().filter(|_| !self.is_gone(state, at))
     }
 
     /// The box of the tile at a column and a row.
-    pub fn bounds(self, column: i64, row: i64) -> Bounds {
+    pub fn bounds(&self, column: i64, row: i64) -> Bounds {
         let (width, height) = self.map.tile;
         let (left, bottom) = (column as f64 * width, row as f64 * height);
         Bounds { left, right: left + width, bottom, top: bottom + height }
     }
 
     /// The line of a tile, if it is a slope.
-    pub fn line(self, tile: Tile) -> Option<Line> {
+    pub fn line(&self, tile: Tile) -> Option<Line> {
         let slope = (*self.slopes.get(usize::from(*self.map.cells.get(tile.at)?))?)?;
         Some(Line { tile: self.bounds(tile.column, tile.row), slope })
     }
 
     /// The line of a slope that the body meets, with the rule of the contact.
-    pub fn slope_at(self, state: &[u8], tile: Tile) -> Option<(&'a Encounter, Line)> {
+    pub fn slope_at(&self, state: &[u8], tile: Tile) -> Option<(&'a Encounter, Line)> {
         let line = self.line(tile)?;
         Some((self.encounter(state, tile.at)?, line))
     }
 
     /// Whether a tile blocks that is no slope.
-    pub fn is_wall(self, state: &[u8], around: &Around, (column, row): (i64, i64)) -> bool {
+    pub fn is_wall(&self, state: &[u8], around: &Around, (column, row): (i64, i64)) -> bool {
         let at = around.cell(self.map, column, row).filter(|at| self.blocks(state, *at));
         at.is_some_and(|at| self.line(Tile { column, row, at }).is_none())
     }
 
     /// How high the tile at a column and a row is on its right side, or on its left, if it blocks, px.
     pub fn height_beside(
-        self,
+        &self,
         state: &[u8],
         around: &Around,
         (column, row): (i64, i64),
@@ -147,7 +147,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// How steep the slope rises that joins the left or the right end of another's line, px per px; 0 if none does.
-    pub fn joined(self, state: &[u8], around: &Around, (tile, line): (Tile, Line), to_left: bool) -> f64 {
+    pub fn joined(&self, state: &[u8], around: &Around, (tile, line): (Tile, Line), to_left: bool) -> f64 {
         let (width, height) = self.map.tile;
         let end = if to_left { line.slope.left } else { line.slope.right };
         let column = if to_left { tile.column - 1 } else { tile.column + 1 };
@@ -162,7 +162,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// The columns and rows of the tiles near a box; a cell more at both ends makes up for rounding.
-    pub fn near(self, around: &Around, rect: &Rect) -> impl Iterator<Item = (i64, i64)> + use<> {
+    pub fn near(&self, around: &Around, rect: &Rect) -> impl Iterator<Item = (i64, i64)> + use<> {
         let (width, height) = self.map.tile;
         let columns = cells_between(rect.left, rect.right, width, &around.columns);
         let rows = cells_between(rect.bottom, rect.top, height, &around.rows);
@@ -210,7 +210,7 @@ impl Simulator {
             for (index, &kind) in cells.iter().enumerate() {
                 if let Some(with) = &encounters[usize::from(kind)] {
                     let cell = Tile { column: (first + index) as i64, row: row as i64, at: start + first + index };
-                    self.collide_tile(state, (body, rect), tiles, cell, with, displacement);
+                    self.collide_tile(state, (body, rect), &tiles, cell, with, displacement);
                 }
             }
         }
@@ -245,7 +245,7 @@ impl Simulator {
                     continue;
                 }
                 examined += 1;
-                self.collide_tile(state, (body, rect), tiles, Tile { column, row, at }, with, displacement);
+                self.collide_tile(state, (body, rect), &tiles, Tile { column, row, at }, with, displacement);
             }
         }
         examined
@@ -257,7 +257,7 @@ impl Simulator {
         &self,
         state: &mut [u8],
         (body, rect): (&Body, &Rect),
-        tiles: Tiles<'_>,
+        tiles: &Tiles<'_>,
         cell: Tile,
         with: &Encounter,
         displacement: &mut Displacement,
@@ -296,7 +296,7 @@ impl Simulator {
         &self,
         state: &mut [u8],
         body: &Body,
-        (with, tiles): (&Encounter, Tiles<'_>),
+        (with, tiles): (&Encounter, &Tiles<'_>),
         (rect, part): (&Rect, &Rect),
         tile: Tile,
         side: Side,

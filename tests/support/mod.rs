@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::render;
-use hypedc::ir::{GoalId, Program};
-use hypedc::sim::{Input, Script, Simulator};
-use hypedc::source::{Files, ReadError, decode};
+use hypedc::ir::{GoalId, Program, WorldId};
+use hypedc::sim::{Input, Script, Simulator, parse_script};
+use hypedc::source::{Files, ReadError, SourceMap, decode};
 use rand::{Rng, RngExt};
 
 /// Reads from the disk.
@@ -50,6 +50,22 @@ pub fn compile_text(text: &str) -> Compilation {
 pub fn program(compilation: Compilation) -> Arc<Program> {
     let Compilation { sources, program, diagnostics } = compilation;
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
+}
+
+/// The goals of the first world of a text that hold after the steps of a script.
+pub fn goals_after(text: &str, script: &str) -> Vec<String> {
+    let program = program(compile_text(text));
+    let sim = Simulator::new(&program, WorldId(0));
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    let file = SourceMap::new().add("inputs", script);
+    let (script, found) = parse_script(&program, WorldId(0), file, script);
+    assert!(found.is_empty(), "{found:?}");
+    for input in script.inputs() {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+    }
+    let goals = program.worlds[WorldId(0)].goals.pairs();
+    goals.filter(|(id, _)| sim.goal(&state, *id).unwrap()).map(|(_, goal)| goal.name.clone()).collect()
 }
 
 /// Changes all inputs.

@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use crate::ir::{BreakableTiles, Expr, Program, RefValue, Subject, TagId, TagSet, World};
+use crate::ir::{Expr, Program, RefValue, Subject, TagId, TagSet, TileKind, World};
 
 use crate::analysis::geometry::seam;
 
@@ -47,6 +47,11 @@ fn broken(program: &Program, world: &World) -> TagSet {
 
 /// The number of tiles with a tag that can be broken.
 pub(in crate::analysis) fn most_broken(world: &World, tag: TagId) -> f64 {
-    let kinds = BreakableTiles::of(&world.spaces).kinds.into_iter().filter(|kind| kind.tags.meets(TagSet::of(tag)));
-    kinds.map(|kind| f64::from(kind.tiles.1.0 - kind.tiles.0.0)).sum()
+    let can_break = |kind: &TileKind<TagId>| kind.breakable.is_some() && kind.tags.contains(&tag);
+    let maps = world.spaces.iter().filter_map(|space| space.map.as_ref());
+    let counts = maps.map(|map| {
+        let kinds: Vec<bool> = map.kinds.iter().map(can_break).collect();
+        map.cells.iter().filter(|kind| kinds[usize::from(**kind)]).count()
+    });
+    counts.sum::<usize>() as f64
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Component, Path};
 
+use crate::ir::Side;
 use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
 use crate::syntax::occurrence::NameKind;
@@ -150,8 +151,7 @@ impl CompletionCollector<'_> {
                 }
                 // A place has no sides.
                 if argument > 0 && !cursor.statement.contains(&"at") {
-                    let sides = ["left", "right", "above", "below"];
-                    sides.iter().for_each(|s| self.add(1, s, CompletionKind::Value, "side"));
+                    Side::ALL.into_iter().for_each(|s| self.add(1, s.name(), CompletionKind::Value, "side"));
                 }
             }
             "timer" | "entering" | "exiting" => {

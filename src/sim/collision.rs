@@ -611,20 +611,4 @@ impl Simulator {
         }
         solids.len()
     }
-
-    /// A body that entered a corner is pushed out as if it had touched both of its neighbours.
-    #[inline]
-    pub(super) fn corner_contact(
-        &self,
-        body: &Body,
-        with: &Encounter,
-        corner: Option<[Contact; 2]>,
-        displacement: &mut Displacement,
-    ) {
-        let Some([horizontal, vertical]) = corner else { return };
-        if with.meeting.response.push == Push::Block && !body.kinematic {
-            displacement.add(horizontal, with.stop);
-            displacement.add(vertical, with.stop);
-        }
-    }
 }

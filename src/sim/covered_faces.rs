@@ -7,8 +7,8 @@
 use crate::ir::{Bounds, Push, Side, Slope, Solid, Space, SpaceId};
 use crate::watch::Meter;
 
-use super::collision::{Encounter, Kind};
-use super::contact::{Overlap, Rect, TOLERANCE};
+use super::collision::{Body, Encounter, Kind};
+use super::contact::{Contact, Displacement, Overlap, Rect, TOLERANCE};
 use super::seam::Around;
 use super::simulator::Simulator;
 
@@ -224,6 +224,22 @@ impl Simulator {
             true => (false, false),
             false if over() => (beside(), true),
             false => (false, false),
+        }
+    }
+
+    /// A body that entered a corner is pushed out as if it had touched both of its neighbours.
+    #[inline]
+    pub(super) fn corner_contact(
+        &self,
+        body: &Body,
+        with: &Encounter,
+        corner: Option<[Contact; 2]>,
+        displacement: &mut Displacement,
+    ) {
+        let Some([horizontal, vertical]) = corner else { return };
+        if with.meeting.response.push == Push::Block && !body.kinematic {
+            displacement.add(horizontal, with.stop);
+            displacement.add(vertical, with.stop);
         }
     }
 

@@ -44,6 +44,10 @@ impl Simulator {
         let (mut stood, mut stood_on_slope) = (None, false);
         let mut nearest: Option<(Ground<'_>, f64)> = None;
         for mover in falling() {
+            // Its box is looked at three times.
+            if mover.tiles.meter.spend(3 * mover.tiles.count_near(mover.around, &mover.rect)) {
+                return;
+            }
             for spot in self.spots(&mover, &mover.start) {
                 let Some(ground) = self.ground(state, &mover, &mover.start, spot) else { continue };
                 if ground.gap.abs() <= TOLERANCE {

@@ -78,6 +78,9 @@ impl Simulator {
     /// Handles the slopes near a body.
     fn meet_slopes(&self, state: &mut [u8], mover: Mover<'_>, displacement: &mut Displacement) {
         let Mover { body, tiles, around, rect, .. } = mover;
+        if tiles.meter.spend(tiles.count_near(around, &rect)) {
+            return;
+        }
         for (column, row) in tiles.near(around, &rect) {
             let Some(at) = around.cell(tiles.map, column, row) else { continue };
             let tile = Tile { column, row, at };

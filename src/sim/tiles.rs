@@ -161,6 +161,14 @@ impl<'a> Tiles<'a> {
         })
     }
 
+    /// The number of tiles near a box.
+    pub fn count_near(&self, around: &Around, rect: &Rect) -> u64 {
+        let (width, height) = self.map.tile;
+        let count = |cells: Range<i64>| (cells.end - cells.start).max(0) as u64;
+        let columns = count(cells_between(rect.left, rect.right, width, &around.columns));
+        columns.saturating_mul(count(cells_between(rect.bottom, rect.top, height, &around.rows)))
+    }
+
     /// The columns and rows of the tiles near a box; a cell more at both ends makes up for rounding.
     pub fn near(&self, around: &Around, rect: &Rect) -> impl Iterator<Item = (i64, i64)> + use<> {
         let (width, height) = self.map.tile;

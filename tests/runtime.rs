@@ -17,6 +17,7 @@ mod seams;
 mod semantics;
 mod slopes;
 mod smb;
+mod start;
 mod trace;
 mod view;
 mod zelda;

@@ -135,7 +135,7 @@ pub(super) fn unused(checked: &Checked, root: FileId, found: &mut Diagnostics) {
             }
             found.report(Unused { kind, name: name.text.to_string(), at: name.span, written });
         };
-        for (param, p) in entity.params.pairs() {
+        for (param, p) in entity.declared_params() {
             judge("parameter", &p.name, reads.has(id, ReadTarget::Param(param)), None);
         }
         let drives = entity.drives.iter().chain(entity.modes.iter().flat_map(|m| &m.drives));

@@ -217,6 +217,8 @@ pub struct Entity {
     pub doc: Option<Box<str>>,
     /// Parameters; a default may read earlier ones.
     pub params: RareVec<ParamId, Param>,
+    /// Whether the first two of them keep where the instance was placed.
+    pub reads_start: bool,
     /// Continuous variables, `x` and `y` first.
     pub vars: IdVec<VarId, Var>,
     /// Discrete variables.

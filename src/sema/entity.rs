@@ -26,7 +26,7 @@ use super::expression::{ReadLimit, Scope};
 use super::facts::Facts;
 use super::mode::ModeNames;
 use super::names::{Candidate, Table, unknown};
-use super::{Boxes, Checker, Set};
+use super::{Boxes, Checker, Set, start};
 
 /// The names of an entity.
 #[derive(Debug)]
@@ -99,6 +99,7 @@ impl Checker<'_> {
             name: syntax.name,
             doc: syntax.doc.map(String::into_boxed_str),
             params: RareVec::new(),
+            reads_start: false,
             vars: IdVec::new(),
             discretes: RareVec::new(),
             refs: RareVec::new(),
@@ -123,6 +124,9 @@ impl Checker<'_> {
         for text in ["x", "y"] {
             let name = Name { text: text.into(), span: entity.name.span };
             entity.vars.push(Var { name, initial: None, dimension: None });
+        }
+        if syntax.reads_start {
+            start::declare(&mut entity);
         }
         // The scope of parameter defaults.
         let mut names = Skeleton::of(&entity, &[], &self.conditions);

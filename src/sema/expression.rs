@@ -436,6 +436,11 @@ impl Checker<'_> {
             return None;
         };
         if let [second, rest @ ..] = rest {
+            if let Some(names) = scope.names
+                && let Some(start) = self.start(path, names, span, scope)
+            {
+                return start;
+            }
             let signal = rest.is_empty().then(|| self.signal_member(path, [name, second], span, scope)).flatten();
             return signal.unwrap_or_else(|| self.member(path, name, second, span, scope));
         }

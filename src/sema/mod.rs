@@ -37,6 +37,7 @@ mod record_uses;
 mod reference;
 mod signal;
 mod slope;
+mod start;
 mod unused;
 mod world;
 mod wrap;

@@ -6,11 +6,11 @@ use crate::ir::{DiscreteId, EntityId, IdVec, Origin, ParamId, RefId, SlotId, Spa
 use crate::source::Span;
 use crate::syntax::ast::{self, ExprKind, Name};
 
-use super::Checker;
 use super::checked::{Entity, Given, Instance, Term};
 use super::constant::{ConstantContext, evaluate};
 use super::expression::Scope;
 use super::names::{Table, unknown};
+use super::{Checker, start};
 
 /// The explicitly set values of an instance; the rest follows from the entity.
 #[derive(Clone)]
@@ -148,6 +148,8 @@ impl Checker<'_> {
         span: Span,
     ) -> Option<Instance> {
         let entity = self.checked.entities[id].clone();
+        let mut set = set;
+        start::place(&entity, &mut set);
         let mut params: IdVec<_, f64> = IdVec::new();
         for (id, param) in entity.params.pairs() {
             let value = match set.params[id] {

@@ -6,11 +6,11 @@ use crate::source::Span;
 use crate::syntax::ast::{Expr, Name, PathRef};
 use crate::syntax::occurrence::{NameKind, Role};
 
-use super::Checker;
 use super::checked::{Given, Term, TermKind, Type};
 use super::expression::{ReadLimit, Scope};
 use super::foreign;
 use super::names::{Candidate, unknown};
+use super::{Checker, start};
 
 impl Checker<'_> {
     /// `hero.x'`, `hero.keys`, `main.width`.
@@ -85,7 +85,7 @@ impl Checker<'_> {
         let Some((subject, entity)) = self.referred(&first.text, scope) else {
             let known = scope.names.into_iter().flat_map(|n| n.refs.names()).chain(self.facts.names());
             let fact = unknown("reference", &first.text, first.span, known);
-            let meant = self.unreferenced(&first.text, scope);
+            let meant = self.unreferenced(&first.text, scope).or_else(|| start::suggestion(&first.text));
             self.report_unknown(fact.suggestion(meant));
             return None;
         };
@@ -139,7 +139,7 @@ impl Checker<'_> {
                 return Some(Term { kind: TermKind::Param(of, id), ty, span });
             }
             let known = entity.vars.iter().map(|v| &v.name).chain(entity.discretes.iter().map(|d| &d.name));
-            let known = known.chain(entity.params.iter().map(|p| &p.name));
+            let known = known.chain(entity.declared_params().map(|(_, p)| &p.name));
             let is_condition = entity.conditions.iter().any(|c| c.name.text == second.text);
             let meant = is_condition.then(|| {
                 let (name, of) = (&second.text, &entity.name.text);

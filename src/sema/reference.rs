@@ -13,12 +13,12 @@ use crate::source::Span;
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
 use crate::syntax::occurrence::Role;
 
-use super::Checker;
 use super::checked::{Action, BoundProbe, Edge, Entity, Given, Spawn, Term, TermKind, Type};
 use super::entity::Skeleton;
 use super::expression::Scope;
 use super::foreign;
 use super::names::{Table, unknown};
+use super::{Checker, start};
 
 /// The reference, if the whole guard is `lost(…)`.
 pub(super) fn lost_by(guard: &Expr) -> Option<Name> {
@@ -190,6 +190,7 @@ impl Checker<'_> {
             fits &= value.is_some();
             given.extend(value);
         }
+        start::spawn(&self.checked.entities[entity], &mut given, spawn.span);
         fits.then_some(Spawn { into, entity, given, span: spawn.span })
     }
 
@@ -232,7 +233,7 @@ impl Checker<'_> {
             }
             None => {}
         }
-        let known = of.params.iter().map(|p| &p.name);
+        let known = of.declared_params().map(|(_, p)| &p.name);
         let known = known.chain(of.discretes.iter().map(|d| &d.name)).chain(of.refs.iter().map(|r| &r.name));
         let known = known.chain(of.vars.iter().map(|v| &v.name));
         let meant = foreign::drawn(&of, &name.text);

@@ -67,5 +67,5 @@ fn standalone_entity(behavior: &Behavior) -> Entity {
     }
     // Not a valid entity name.
     let name = Name { text: format!("behavior {}", behavior.name.text).into(), span: behavior.name.span };
-    Entity { name, members, doc: None, span: behavior.span }
+    Entity { name, members, reads_start: behavior.reads_start, doc: None, span: behavior.span }
 }

@@ -86,6 +86,8 @@ pub struct Entity {
     pub name: Name,
     /// Its contents.
     pub members: Vec<Member>,
+    /// Whether `start.x` or `start.y` occurs in it.
+    pub reads_start: bool,
     /// The text of the `///` lines above it.
     pub doc: Option<String>,
     /// The whole.
@@ -101,6 +103,8 @@ pub struct Behavior {
     pub parameters: Vec<Name>,
     /// Its contents.
     pub members: Vec<Member>,
+    /// As [`Entity::reads_start`].
+    pub reads_start: bool,
     /// The text of the `///` lines above it.
     pub doc: Option<String>,
     /// The whole.

@@ -46,6 +46,11 @@ pub struct Dotted {
     pub span: Span,
 }
 
+/// Whether a name with a dot is a coordinate of where an instance was placed: `start.x`, `start.y`.
+pub fn is_start(first: &Name, second: &Name) -> bool {
+    *first.text == *"start" && matches!(&*second.text, "x" | "y")
+}
+
 /// A name that may be dotted: `size.small`, `hero.x'`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Path {

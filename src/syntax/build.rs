@@ -1,7 +1,7 @@
 //! Builds the syntax tree from pest's pairs: files, entities, modes, edges, envelopes. Worlds are in `build_world`,
 //! expressions in `expression`.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 
 use hashbrown::HashSet;
@@ -16,7 +16,7 @@ use crate::source::{FileId, Span};
 use super::ast::{
     ALWAYS, Assignment, Behavior, BinaryOp, Chance, Clamp, Collider, Constant, Continuous, Destroy, Dimension,
     Discrete, Domain, Edge, Entity, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member,
-    Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World,
+    Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World, is_start,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
@@ -40,6 +40,8 @@ pub(super) struct Builder<'a> {
     poisoned_names: BTreeSet<String>,
     /// The interned words.
     words: RefCell<HashSet<Word>>,
+    /// Whether `start.x` or `start.y` occurred since it was last asked.
+    reads_start: Cell<bool>,
     errors: usize,
     diagnostics: &'a mut Diagnostics,
 }
@@ -95,6 +97,7 @@ impl<'a> Builder<'a> {
             broken: 0,
             poisoned_names: BTreeSet::new(),
             words: RefCell::default(),
+            reads_start: Cell::new(false),
             errors: 0,
             diagnostics,
         }
@@ -233,7 +236,8 @@ impl<'a> Builder<'a> {
                 let name = self.name(inner.first()?);
                 let (members, end) = self.block(&MEMBERS, end)?;
                 let span = self.span(start, end);
-                let entity = Entity { name, members, doc: self.doc(span), span };
+                let reads_start = self.reads_start.take();
+                let entity = Entity { name, members, reads_start, doc: self.doc(span), span };
                 Some((Some(Item::Entity(entity.into())), end))
             }
             Rule::world_head => {
@@ -248,7 +252,8 @@ impl<'a> Builder<'a> {
                 let parameters = formals.map_or(Vec::new(), |f| self.names(f));
                 let (members, end) = self.block(&MEMBERS, end)?;
                 let span = self.span(start, end);
-                let behavior = Behavior { name, parameters, members, doc: self.doc(span), span };
+                let reads_start = self.reads_start.take();
+                let behavior = Behavior { name, parameters, members, reads_start, doc: self.doc(span), span };
                 Some((Some(Item::Behavior(behavior.into())), end))
             }
             _ => {
@@ -498,6 +503,11 @@ impl<'a> Builder<'a> {
             } else {
                 segments.push(self.name(&part));
             }
+        }
+        if let [first, second] = &*segments
+            && is_start(first, second)
+        {
+            self.reads_start.set(true);
         }
         (!segments.is_empty()).then(|| Path::new(segments, primes, self.span_of(pair)))
     }

@@ -65,6 +65,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
         active: Vec::new(),
         expanded: 0,
         depth: 0,
+        reads_start: false,
         is_too_deep: false,
         is_full: false,
         used: BTreeSet::new(),
@@ -72,7 +73,9 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
     expander.cycles();
     for item in files.iter_mut().flat_map(|f| &mut f.items) {
         if let Item::Entity(entity) = item {
+            expander.reads_start = entity.reads_start;
             expander.members(&mut entity.members);
+            entity.reads_start = expander.reads_start;
         }
     }
     expander.unused(files.first());
@@ -92,6 +95,8 @@ struct Expander<'a> {
     expanded: usize,
     /// The current nesting depth.
     depth: usize,
+    /// Whether the current entity reads where it started.
+    reads_start: bool,
     /// Whether the maximum depth was exceeded.
     is_too_deep: bool,
     /// Whether there are more uses than the source map can hold.
@@ -220,6 +225,7 @@ impl Expander<'_> {
         let copy = self.sources.copy(behavior.name.span.file(), used.span);
         let from = behavior.name.span.file();
         let mut substitution = Substitution { from, to: copy, arguments, too_long: None, replaced: Vec::new() };
+        self.reads_start |= behavior.reads_start;
         let mut members = behavior.members;
         members.iter_mut().for_each(|m| substitution.member(m));
         if let Some(at) = substitution.too_long {

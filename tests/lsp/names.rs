@@ -198,7 +198,13 @@ fn what_is_known_of_a_name_is_shown() {
     }
     let mut balls = balls();
     balls.ask_at("textDocument/hover", "balls.hyped", "stren|gth = 20", json!({}));
-    insta::assert_snapshot!(session.end() + &balls.end());
+    let mut known = Session::new(&[]);
+    known.open("known.hyped", "entity A { mode start { x' = tau; when x > start.x + pi -> start } }\n");
+    known.client.settle();
+    for place in ["x > st|art.x", "= ta|u", "-> st|art"] {
+        known.ask_at("textDocument/hover", "known.hyped", place, json!({}));
+    }
+    insta::assert_snapshot!(session.end() + &balls.end() + &known.end());
 }
 
 #[test]

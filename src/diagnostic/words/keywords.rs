@@ -11,6 +11,17 @@ pub struct Meaning {
     pub example: &'static str,
 }
 
+/// Names that every program has, unless it declares others.
+pub const KNOWN_NAMES: &[Meaning] = &[
+    means("pi", "Half a turn in radians: the constant 3.14159….", "mode spinning { angle' = pi / 2 }"),
+    means("tau", "A full turn in radians: twice `pi`.", "mode spinning { angle' = tau / 4 }"),
+    means(
+        "start",
+        "Where this instance was placed or spawned: `start.x` and `start.y`, px from the space's lower-left corner.",
+        "when x > start.x + 64 -> back",
+    ),
+];
+
 /// The description of a keyword, if the word is one.
 pub fn meaning(word: &str) -> Option<&'static Meaning> {
     MEANINGS.iter().find(|meaning| meaning.word == word)

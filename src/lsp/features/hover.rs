@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::analysis::Values;
 use crate::diagnostic::page::{Page, Part};
-use crate::diagnostic::words::{Meaning, SIGNATURES, Signature, meaning};
+use crate::diagnostic::words::{KNOWN_NAMES, Meaning, SIGNATURES, Signature, meaning};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::ir::EntityId;
 use crate::sema::checked::{Checked, Condition, Entity, Type};
@@ -97,12 +97,25 @@ fn hover_word(view: &View, at: &FileOffset) -> Option<Hover> {
     let ways: Vec<String> = ways.map(Signature::line).collect();
     let shape = || matches!(word, "rect") && is_keyword_at(code, &bytes);
     let markdown = if ways.is_empty() || shape() {
-        let Meaning { description, example, .. } = meaning(word).filter(|_| is_keyword_at(code, &bytes))?;
+        let keyword = meaning(word).filter(|_| is_keyword_at(code, &bytes));
+        let Meaning { description, example, .. } = keyword.or_else(|| known_name_at(code, &bytes))?;
         format!("`{word}`: {description}\n\n```hyped\n{example}\n```")
     } else {
         ways.join("\n\n")
     };
     Some(Hover { at: Location { path: at.path.clone(), text, bytes }, markdown })
+}
+
+/// The name at a range, if every program has it.
+fn known_name_at(code: &str, bytes: &std::ops::Range<usize>) -> Option<&'static Meaning> {
+    let word = code.get(bytes.clone())?;
+    let known = KNOWN_NAMES.iter().find(|known| known.word == word)?;
+    // Only its coordinates are known.
+    let fits = word != "start" || code.get(bytes.end..)?.starts_with('.');
+    let is_name = |pair: pest::iterators::Pair<'_, syntax::Rule>| {
+        pair.as_rule() == syntax::Rule::name && pair.as_span().start() == bytes.start && pair.as_str() == word
+    };
+    (fits && syntax::pairs(FileId(0), code)?.flatten().any(is_name)).then_some(known)
 }
 
 /// Whether the word at a range is a keyword there, and no name.

@@ -63,7 +63,7 @@ fn spawned(view: &View, path: &Path, name: &str) -> Option<CallSignature> {
     let states = programs.iter().map(|k| &*k.current).chain(programs.iter().filter_map(|k| k.last_good.as_deref()));
     let mut entities = states.flat_map(|s| s.ide.checked.entities.iter().map(move |e| (s, e)));
     let (snapshot, entity) = entities.find(|(_, e)| e.name.text == name)?;
-    let all = entity.params.iter().map(|p| &p.name).chain(entity.refs.iter().map(|r| &r.name));
+    let all = entity.declared_params().map(|(_, p)| &p.name).chain(entity.refs.iter().map(|r| &r.name));
     let all = all.chain(entity.vars.iter().map(|v| &v.name)).chain(entity.discretes.iter().map(|d| &d.name));
     let doc = snapshot.doc(entity.name.span).unwrap_or_default();
     Some(signature(name, all.map(|name| &*name.text), &doc))

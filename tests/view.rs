@@ -451,7 +451,8 @@ fn large_levels_make_small_pictures() {
 /// A slope is drawn as what is below its line, cut at the border of the picture.
 #[test]
 fn slopes_are_drawn_as_what_is_below_them() {
-    let text = "entity Hero { param speed = 60; axis horizontal; collider body: rect(0, 0, 16, 16); x' = speed * horizontal }
+    let text =
+        "entity Hero { param speed = 60; axis horizontal; collider body: rect(0, 0, 16, 16); x' = speed * horizontal }
         world W {
             collide body with wall: block
             tiles t 16 x 16 { '.': empty; '#': wall; '/': wall slope (0, 0)-(16, 16) }

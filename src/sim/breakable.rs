@@ -42,8 +42,8 @@ impl Breakables {
         self.numbers[space].get(cell).filter(|number| **number != NONE).map(|number| TileId(*number))
     }
 
-    /// Whether there is a breakable tile in a cell that is broken.
-    #[inline]
+    /// Whether there is a breakable tile in a cell that is broken. Not inlined: it would enlarge every contact with a tile.
+    #[inline(never)]
     pub fn is_gone(&self, state: &[u8], space: usize, cell: usize) -> bool {
         self.tile(space, cell).is_some_and(|tile| self.is_broken(state, tile))
     }

@@ -442,10 +442,11 @@ impl Simulator {
                 Some(sides) if body.is_plain => sides,
                 _ => {
                     rect.round = body.shape.is_round();
-                    let Some(sides) = self.evaluate_box(body, state, frames, &fault) else {
-                        rect.active = false;
-                        continue;
-                    };
+                    // An empty collider touches nothing.
+                    let sides = self.evaluate_box(body, state, frames, &fault);
+                    let sides = sides.filter(|[.., width, height]| *width > 0.0 && *height > 0.0);
+                    rect.active = sides.is_some();
+                    let Some(sides) = sides else { continue };
                     sides
                 }
             };
@@ -458,8 +459,6 @@ impl Simulator {
             rect.top = rect.bottom + height;
             rect.back = (from_x - px, from_y - py);
             rect.space = layout.space(state).0;
-            // An empty collider touches nothing.
-            rect.active = body.is_plain || (width > 0.0 && height > 0.0);
         }
         Self::check_fault(&fault)
     }

@@ -41,6 +41,7 @@ pub(super) struct Tile {
 
 impl<'a> Tiles<'a> {
     /// Whether the tile of a cell, by its index, blocks.
+    #[inline]
     pub fn blocks(&self, state: &[u8], at: usize) -> bool {
         let met = self.map.cells.get(at).and_then(|&kind| self.encounters[usize::from(kind)].as_ref());
         met.is_some_and(|w| w.meeting.response.push == Push::Block) && !self.is_gone(state, at)
@@ -53,7 +54,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// Whether the neighbour blocks that covers the face of a tile which a side of a body touches.
-    #[inline]
+    #[inline(always)]
     fn covers(&self, state: &[u8], tile: Tile, side: Side, rect: &Rect, overlap: &Overlap) -> bool {
         let Tile { column, row, at } = tile;
         if let Some(around) = self.around {
@@ -280,13 +281,12 @@ impl Simulator {
         // The faces turned to the body; a covered one never gives the side.
         let mut corner = None;
         let contact = meet(rect, &tile, rect.back, with.meeting, |overlap| {
-            let covers = |side: Side| tiles.covers(state, cell, side, rect, overlap);
-            let mut covered = (covers(overlap.x_side), covers(overlap.y_side));
-            if covered != (true, true) && self.is_beside_rect(rect.space as usize, cell.at) {
-                let kind = &self.collision.kinds[body.kind];
-                covered =
-                    self.covered(state, (kind, rect.space as usize), (rect, &tile), overlap, covered, tiles.meter);
+            let is_beside_rect = self.is_beside_rect(rect.space as usize, cell.at);
+            // The face along the axis of least penetration gives the side if nothing covers it, whatever the other is.
+            if !is_beside_rect && !tiles.covers(state, cell, overlap.least().side, rect, overlap) {
+                return (false, false);
             }
+            let covered = self.covered_tile(state, (body, rect), tiles, (cell, &tile), overlap);
             if covered == (true, true) && overlap.came_diagonally(rect.back) {
                 corner = Some([overlap.horizontal(), overlap.vertical()]);
             }
@@ -338,10 +338,32 @@ impl Simulator {
     }
 }
 
+impl Simulator {
+    /// Whether neighbours cover the left or right face of a tile that is turned to a body, and its upper or lower face.
+    #[inline(never)]
+    fn covered_tile(
+        &self,
+        state: &[u8],
+        (body, rect): (&Body, &Rect),
+        tiles: &Tiles<'_>,
+        (cell, tile): (Tile, &Rect),
+        overlap: &Overlap,
+    ) -> (bool, bool) {
+        let space = rect.space as usize;
+        let covers = |side: Side| tiles.covers(state, cell, side, rect, overlap);
+        let covered = (covers(overlap.x_side), covers(overlap.y_side));
+        if covered == (true, true) || !self.is_beside_rect(space, cell.at) {
+            return covered;
+        }
+        let kind = &self.collision.kinds[body.kind];
+        self.covered(state, (kind, space), (rect, tile), overlap, covered, tiles.meter)
+    }
+}
+
 /// The columns or the rows of a map, for looking up the tiles near a body without a division.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Grid {
-    count: i64,
+    count: usize,
     /// The reciprocal of a tile's size, rounded down and up, 1/px.
     per_px: (f64, f64),
 }
@@ -359,7 +381,7 @@ impl Grid {
     fn new(size: f64, count: usize) -> Grid {
         // Wider than the rounding errors of a reciprocal and of a product with it.
         const MARGIN: f64 = 4.0 * f64::EPSILON;
-        Grid { count: count as i64, per_px: ((1.0 - MARGIN) / size, (1.0 + MARGIN) / size) }
+        Grid { count, per_px: ((1.0 - MARGIN) / size, (1.0 + MARGIN) / size) }
     }
 
     /// A half-open range that contains all tiles whose closed extent overlaps `low..=high`. A tile that is only touched
@@ -367,9 +389,9 @@ impl Grid {
     #[inline]
     pub fn range(&self, low: f64, high: f64) -> (usize, usize) {
         let (low, high) = (low * self.per_px.0, high * self.per_px.1);
-        // The cast truncates, which is the floor of a non-negative number, and saturates.
-        let after = if high < 0.0 { 0 } else { (high as i64).min(self.count - 1) + 1 };
-        ((low as i64).max(0) as usize, after as usize)
+        // The cast truncates, which is the floor of a non-negative number, and saturates. That to 32 bits is the cheapest.
+        let after = if high < 0.0 { 0 } else { (high as u32 as usize).saturating_add(1).min(self.count) };
+        (low as u32 as usize, after)
     }
 }
 

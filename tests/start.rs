@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use crate::support::{compile_text, goals_after, program};
+use crate::support::{compile_text, goals_after};
 use hypedc::diagnostic::render;
 
 /// The goals that hold after half a second in a world with these entities and items.

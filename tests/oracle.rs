@@ -6,7 +6,7 @@
 
 mod ask;
 mod brute;
-mod collide;
+pub mod collide;
 mod compare;
 mod evaluate;
 mod flow;
@@ -16,6 +16,7 @@ mod members;
 mod model;
 mod probe;
 mod seam;
+pub mod slope;
 mod step;
 mod verdict;
 

@@ -15,6 +15,7 @@ mod probes;
 mod properties;
 mod seams;
 mod semantics;
+mod slopes;
 mod smb;
 mod start;
 mod trace;

@@ -447,3 +447,24 @@ fn large_levels_make_small_pictures() {
     assert_eq!(check(&svg)["head"], 63);
     assert!(svg.len() < 1_000_000, "{} bytes", svg.len());
 }
+
+/// A slope is drawn as what is below its line, cut at the border of the picture.
+#[test]
+fn slopes_are_drawn_as_what_is_below_them() {
+    let text =
+        "entity Hero { param speed = 60; axis horizontal; collider body: rect(0, 0, 16, 16); x' = speed * horizontal }
+        world W {
+            collide body with wall: block
+            tiles t 16 x 16 { '.': empty; '#': wall; '/': wall slope (0, 0)-(16, 16) }
+            space main {
+                map t \"\n....\n./#.\n####\n\"
+                place hero: Hero at (0, 16)
+            }
+            player 1: hero
+        }";
+    let program = program(compile_text(text));
+    let walk = walk(&program, 20);
+    let svg = draw(&program, &walk, &[]);
+    let path = svg.lines().find(|line| line.contains("class=\"tile")).unwrap();
+    assert!(path.contains('L') && path.contains('h'), "boxes and a triangle: {path}");
+}

@@ -83,6 +83,7 @@ codes! {
     LinkNowhere Error "E0506" "a link leads to nowhere"
     BadLevel Error "E0507" "a level of an editor cannot be read"
     BadWrap Error "E0508" "a space cannot wrap"
+    BadSlope Error "E0509" "a slope does not fit its tile"
 
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"

@@ -228,9 +228,16 @@ impl<'t> Tokenizer<'t> {
 /// Whether no blank is between a token and the next.
 fn is_tight(before: &Token<'_>, rule: Rule, kind: Kind, parent: Rule) -> bool {
     let opens = before.kind == Kind::Open;
-    let binds = matches!(before.rule, Rule::negative | Rule::range | Rule::caret | Rule::dimension_operator);
+    let binds =
+        matches!(before.rule, Rule::negative | Rule::dash | Rule::range | Rule::caret | Rule::dimension_operator);
     let bound = match rule {
-        Rule::comma | Rule::colon | Rule::range | Rule::caret | Rule::exponent | Rule::dimension_operator => true,
+        Rule::comma
+        | Rule::colon
+        | Rule::dash
+        | Rule::range
+        | Rule::caret
+        | Rule::exponent
+        | Rule::dimension_operator => true,
         Rule::open_paren => match parent {
             Rule::call | Rule::shape | Rule::formals | Rule::actuals | Rule::signal_number | Rule::sent => true,
             Rule::rectangle => before.rule == Rule::word_rect,

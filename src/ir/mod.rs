@@ -21,6 +21,7 @@ mod operators;
 mod period;
 mod program;
 mod rare;
+mod slope;
 mod spans;
 mod still;
 mod targets;
@@ -51,6 +52,7 @@ pub use program::{
     Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,
 };
 pub use rare::RareVec;
+pub use slope::{Misfit, Slope};
 pub use spans::{EntitySpans, Spans, WorldSpans};
 pub use still::MANY_STILL;
 pub use text::text;

@@ -470,7 +470,10 @@ fn write_world(out: &mut String, p: &Program, w: &World) -> Result {
                 Some(steps) => format!(" breakable, restored after {steps} steps"),
                 None => " breakable".into(),
             });
-            writeln!(out, "    {} {}{breakable}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
+            let slope = kind
+                .slope
+                .map_or(String::new(), |slope| format!(" slope (0, {})-({}, {})", slope.left, map.tile.0, slope.right));
+            writeln!(out, "    {} {}{slope}{breakable}", kind.symbol, tags(p, kind.tags.iter().copied().collect()))?;
         }
         for row in (0..map.rows).rev() {
             let cells = map.cells.iter().skip(row * map.columns).take(map.columns);

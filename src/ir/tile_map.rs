@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Breakable;
+use super::{Breakable, Slope};
 
 /// A grid of tiles. Column 0 is the leftmost, row 0 the lowest; its lower-left corner is the space's origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,9 @@ pub struct TileKind<T> {
     pub symbol: char,
     /// Its tags.
     pub tags: Vec<T>,
+    /// The line up to which tiles of the kind are solid; all of the tile is if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slope: Option<Slope>,
     /// Whether tiles of the kind can be broken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub breakable: Option<Breakable>,

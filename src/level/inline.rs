@@ -1,6 +1,6 @@
 //! Maps from rows of characters: written between quotes in a `.hyped` file, or the lines of a text file.
 
-use crate::ir::{Breakable, TileKind, TileMap};
+use crate::ir::{Breakable, Slope, TileKind, TileMap};
 
 use std::collections::BTreeMap;
 
@@ -20,6 +20,8 @@ pub struct InlineTile<T> {
     pub symbol: char,
     /// Its tags.
     pub tags: Vec<T>,
+    /// The line up to which it is solid.
+    pub slope: Option<Slope>,
     /// Whether it can be broken.
     pub breakable: Option<Breakable>,
 }
@@ -122,7 +124,8 @@ pub fn inline_map<T: Clone>(
         let known = known.keys().chain(others).copied().collect();
         diagnostics.report(UnknownTile { symbol, at, count, tiles: set.0.to_string(), declared: set.1, known });
     }
-    let kind = |t: &InlineTile<T>| TileKind { symbol: t.symbol, tags: t.tags.clone(), breakable: t.breakable };
+    let kind =
+        |t: &InlineTile<T>| TileKind { symbol: t.symbol, tags: t.tags.clone(), slope: t.slope, breakable: t.breakable };
     let kinds = tiles.iter().map(kind).collect();
     fits.then_some(TileMap { columns, rows: rows.len(), tile, kinds, cells })
 }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::catalogue::world::{BadLevel, TileInstances, UnknownObject, UnknownSetting, as_tag};
 use crate::diagnostic::similar;
-use crate::ir::{Breakable, EntityId, Id, Origin, SlotId, SpaceId, TagId, TileKind, TileMap};
+use crate::ir::{Breakable, EntityId, Id, Origin, Slope, SlotId, SpaceId, TagId, TileKind, TileMap};
 use crate::level::{EditorLevel, Format, Meaning, Object, Value, read_level};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, Expr, ExprKind, Name};
@@ -14,6 +14,7 @@ use super::Checker;
 use super::checked::{Given, Instance, LevelName, Solid, World};
 use super::names::{Table, unknown};
 use super::population::Population;
+use super::slope::SlopeEnds;
 
 /// The kinds in a map's block, by name.
 type Kinds<'k> = BTreeMap<&'k str, &'k ast::Kind>;
@@ -31,9 +32,13 @@ impl Checker<'_> {
     ) {
         let mut kinds: Kinds<'_> = BTreeMap::new();
         let mut declared: Table<()> = Table::new("name of the level");
-        // A cell can have several names; it can be broken if one of them says so.
+        // A cell can have several names; it can be broken if one of them says so, and so it is a slope.
         let mut breakable: BTreeMap<&str, Breakable> = BTreeMap::new();
+        let mut ends: BTreeMap<&str, SlopeEnds> = BTreeMap::new();
         for kind in block {
+            if let Some(of) = self.slope_ends(kind.slope.as_deref(), world) {
+                ends.entry(&kind.name.text).or_insert(of);
+            }
             let tags: Vec<TagId> = match &kind.breakable {
                 Some(_) => kind.tags.iter().filter(|tag| tag.text != "empty").map(|tag| self.carried(tag)).collect(),
                 None => Vec::new(),
@@ -77,12 +82,15 @@ impl Checker<'_> {
             });
             LevelName { name: name.clone(), map: at, is_object, near }
         }));
+        let slopes: BTreeMap<&str, Slope> =
+            ends.iter().filter_map(|(name, ends)| Some((*name, self.slope(ends, tile)?))).collect();
         let tags = |of: &mut Self, names: &[String]| of.tags_of(&kinds, names, at);
         let symbols = ['.', '#'].into_iter().chain('a'..='z').chain('A'..='Z').chain('\u{100}'..);
         let tile_kinds = names.iter().zip(symbols);
         let tile_kinds = tile_kinds.map(|(names, symbol)| TileKind {
             symbol,
             tags: tags(self, names),
+            slope: names.iter().find_map(|name| slopes.get(name.as_str()).copied()),
             breakable: names.iter().find_map(|name| breakable.get(name.as_str()).copied()),
         });
         let tile_kinds = tile_kinds.collect();

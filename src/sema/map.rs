@@ -211,7 +211,7 @@ impl<'a> Checker<'a> {
                 set.tiles.extend(own.tiles.iter().map(InlineTile::clone));
                 set.spawns.extend(own.spawns.iter().copied());
             }
-            ProgramTiles::Block(tiles) => self.tile_kinds(tiles, &mut set, &mut world.times),
+            ProgramTiles::Block(tiles) => self.tile_kinds(tiles, &mut set, tile, world),
         }
         // A wrong side is already reported.
         let rows = rows.filter(|_| tile.is_some());
@@ -272,7 +272,7 @@ impl<'a> Checker<'a> {
             }
             let tags = tags.into_iter().filter(|tag| tag != "empty");
             let tags = tags.map(|text| self.tag(&Name { text: text.into(), span: name.span })).collect();
-            set.tiles.push(InlineTile { symbol, tags, breakable: None });
+            set.tiles.push(InlineTile { symbol, tags, slope: None, breakable: None });
             set.spawns.push(None);
         }
     }

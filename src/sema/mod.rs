@@ -36,6 +36,7 @@ mod probe;
 mod record_uses;
 mod reference;
 mod signal;
+mod slope;
 mod start;
 mod unused;
 mod world;

@@ -275,7 +275,7 @@ impl Checker<'_> {
             spawns: Vec::new(),
             others: Vec::new(),
         };
-        self.tile_kinds(&tiles.tiles, &mut set, &mut world.times);
+        self.tile_kinds(&tiles.tiles, &mut set, width.zip(height), world);
         match (width, height) {
             (Some(w), Some(h)) => {
                 set.tile = (w, h);
@@ -288,7 +288,13 @@ impl Checker<'_> {
     }
 
     /// Adds tiles to a set; replaces definitions of a legend.
-    pub(super) fn tile_kinds<'t>(&mut self, tiles: &'t [ast::Tile], set: &mut TileSet<'t>, times: &mut Vec<Term>) {
+    pub(super) fn tile_kinds<'t>(
+        &mut self,
+        tiles: &'t [ast::Tile],
+        set: &mut TileSet<'t>,
+        size: Option<(f64, f64)>,
+        world: &mut World,
+    ) {
         let mut symbols: Table<()> = Table::new("tile");
         for tile in tiles {
             if set.tiles.len() >= MAX_TILE_KINDS {
@@ -304,9 +310,11 @@ impl Checker<'_> {
                 self.checked.other_tags.extend(tile.tags.iter().map(|t| t.text.to_string()));
                 let tags = tile.tags.iter().filter(|t| t.text != "empty").map(|t| self.carried(t));
                 let tags: Vec<TagId> = tags.collect();
-                let breakable = self.breakable(tile.breakable.as_deref(), &tags, times);
+                let ends = self.slope_ends(tile.slope.as_deref(), world);
+                let slope = ends.zip(size).and_then(|(ends, size)| self.slope(&ends, size));
+                let breakable = self.breakable(tile.breakable.as_deref(), &tags, &mut world.times);
                 self.tile_spawn(tile.spawn.as_ref());
-                let kind = InlineTile { symbol: tile.symbol, tags, breakable };
+                let kind = InlineTile { symbol: tile.symbol, tags, slope, breakable };
                 match set.tiles.iter().position(|t| t.symbol == tile.symbol) {
                     Some(known) => {
                         set.tiles[known] = kind;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     Bounce, Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Program, Push, Response, Shape, Side,
-    SlotId, Solid, TagSet, World,
+    SlotId, Solid, SpaceId, TagSet, World,
 };
 
 use crate::watch::Meter;
@@ -22,6 +22,7 @@ use super::covered_faces::Adjacency;
 use super::fault::Fault;
 use super::seam::{Images, MAX_IMAGES, Seams, solids};
 use super::simulator::{Scratch as StepScratch, Simulator};
+use super::slope::Slopes;
 use super::state::{PositionLayout, leaf_at};
 use super::tiles::Grid;
 
@@ -53,6 +54,10 @@ pub(super) struct Collision {
     pub solids: Vec<Vec<Solid>>,
     /// What repeats in each space, if any space wraps.
     pub seams: Option<Seams>,
+    /// The slopes of all maps, if there are any.
+    pub slopes: Option<Box<Slopes>>,
+    /// For each space, whether it wraps or its map has slopes, if that holds for any.
+    pub rare_maps: Option<Box<[bool]>>,
 }
 
 /// A collider of a slot.
@@ -106,7 +111,7 @@ pub(super) struct Encounter {
     /// Whether there are further bits to set.
     pub more: bool,
     /// How it stops velocities, as in [`super::contact::Stops`].
-    stop: u16,
+    pub stop: u16,
 }
 
 impl Encounter {
@@ -265,7 +270,10 @@ impl Collision {
         let moves = MOVED * (still.iter().filter(|is| !**is).count() + moving) as u64;
         let adjacency =
             world.spaces.iter().zip(&statics).map(|(space, solids)| Adjacency::new(space, solids)).collect();
-        let (grids, seams) = (Grid::of(world), Seams::of(world));
+        let (grids, seams, slopes) = (Grid::of(world), Seams::of(world), Slopes::of(world));
+        let has_slopes = |space: SpaceId| slopes.as_ref().is_some_and(|s| !s.of_space(space.index()).is_empty());
+        let rare_maps = world.spaces.pairs().map(|(id, space)| space.wraps() || has_slopes(id));
+        let rare_maps = Some(rare_maps.collect::<Box<[bool]>>()).filter(|rare| rare.contains(&true));
         Collision {
             bodies,
             moving,
@@ -280,6 +288,8 @@ impl Collision {
             grids,
             solids: statics,
             seams,
+            slopes,
+            rare_maps,
         }
     }
 
@@ -390,7 +400,11 @@ impl Simulator {
                 }
             }
         }
+        if let Some(slopes) = &self.collision.slopes {
+            self.collide_slopes(slopes, state, &mut scratch.collision, push, meter);
+        }
         if push {
+            let displacements = &mut scratch.collision.displacements;
             for &slot in &self.collision.movable {
                 let [x, y] = displacements[slot].push;
                 if x != 0.0 || y != 0.0 {
@@ -588,21 +602,5 @@ impl Simulator {
             self.corner_contact(body, with, corner, displacement);
         }
         solids.len()
-    }
-
-    /// A body that entered a corner is pushed out as if it had touched both of its neighbours.
-    #[inline]
-    pub(super) fn corner_contact(
-        &self,
-        body: &Body,
-        with: &Encounter,
-        corner: Option<[Contact; 2]>,
-        displacement: &mut Displacement,
-    ) {
-        let Some([horizontal, vertical]) = corner else { return };
-        if with.meeting.response.push == Push::Block && !body.kinematic {
-            displacement.add(horizontal, with.stop);
-            displacement.add(vertical, with.stop);
-        }
     }
 }

@@ -4,11 +4,11 @@
 //! block the same body lie along all of that part, directly outside of it. Which rectangles have adjacent ones, and
 //! which tiles have adjacent rectangles, is precomputed: all others cost nothing.
 
-use crate::ir::{Bounds, Push, Side, Solid, Space, SpaceId};
+use crate::ir::{Bounds, Push, Side, Slope, Solid, Space, SpaceId};
 use crate::watch::Meter;
 
-use super::collision::{Encounter, Kind};
-use super::contact::{Overlap, Rect, TOLERANCE};
+use super::collision::{Body, Encounter, Kind};
+use super::contact::{Contact, Displacement, Overlap, Rect, TOLERANCE};
 use super::seam::Around;
 use super::simulator::Simulator;
 
@@ -227,6 +227,40 @@ impl Simulator {
         }
     }
 
+    /// A body that entered a corner is pushed out as if it had touched both of its neighbours.
+    #[inline]
+    pub(super) fn corner_contact(
+        &self,
+        body: &Body,
+        with: &Encounter,
+        corner: Option<[Contact; 2]>,
+        displacement: &mut Displacement,
+    ) {
+        let Some([horizontal, vertical]) = corner else { return };
+        if with.meeting.response.push == Push::Block && !body.kinematic {
+            displacement.add(horizontal, with.stop);
+            displacement.add(vertical, with.stop);
+        }
+    }
+
+    /// Whether what blocks covers a part of the left or right side of a tile; `at` is its coordinate, with whether it
+    /// faces larger ones.
+    pub(super) fn is_side_covered(
+        &self,
+        state: &[u8],
+        (kind, space): (&Kind, usize),
+        (at, faces_up): (f64, bool),
+        (low, high): (f64, f64),
+        meter: &Meter<'_>,
+    ) -> bool {
+        self.is_covered(state, kind, space, Face { is_vertical: true, at, faces_up, low, high }, meter)
+    }
+
+    /// The line of a kind of tile, if it is a slope.
+    fn slope_of(&self, space: usize, kind: usize) -> Option<Slope> {
+        *self.collision.slopes.as_ref()?.of_space(space).get(kind)?
+    }
+
     /// Whether anything can cover the faces of a rectangle.
     pub(super) fn can_be_covered(&self, (kind, space): (&Kind, usize), solid: usize) -> bool {
         self.collision.adjacency[space].rects[solid] || kind.meets_tiles[space]
@@ -281,7 +315,15 @@ impl Simulator {
                             let tile = usize::from(map.cells[cell]);
                             blocks(&kind.tiles[space][tile]) && !self.is_gone(state, space, cell)
                         });
-                        if is_blocking && part.add((nth as f64 * along.0, (nth + 1) as f64 * along.0), &face) {
+                        let (low, high) = (nth as f64 * along.0, (nth + 1) as f64 * along.0);
+                        let slope = cell.and_then(|cell| self.slope_of(space, usize::from(map.cells[cell])));
+                        // A slope covers what is beside it up to its line, and nothing above or below.
+                        let high = match slope {
+                            None => high,
+                            Some(_) if !face.is_vertical => continue,
+                            Some(slope) => low + if face.faces_up { slope.left } else { slope.right },
+                        };
+                        if is_blocking && high > low && part.add((low, high), &face) {
                             meter.spend(looked_at);
                             return true;
                         }

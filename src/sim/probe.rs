@@ -11,6 +11,7 @@ use super::collision::{Body, Collision};
 use super::contact::{Rect, TOLERANCE, sinks_in};
 use super::evaluate::Reader;
 use super::simulator::Simulator;
+use super::slope::Line;
 use super::state::leaf_at;
 
 /// For each tag that a probe names, what has it.
@@ -208,6 +209,15 @@ impl Simulator {
         })
     }
 
+    /// The part of a tile that a shape can overlap: of a slope, up to the highest point of its line over the shape.
+    #[inline(never)]
+    fn under_line(&self, rect: &Rect, kind: u16, tile: Bounds) -> Option<Bounds> {
+        let slopes = self.collision.slopes.as_ref().map_or(&[][..], |slopes| slopes.of_space(rect.space as usize));
+        let Some(slope) = slopes.get(usize::from(kind)).copied().flatten() else { return Some(tile) };
+        let line = Line { tile, slope };
+        (!rect.round || line.takes_disc(rect)).then(|| Bounds { top: line.top(rect), ..tile })
+    }
+
     /// Whether a box overlaps a tile or a rectangle of its space that has a tag.
     fn overlaps_static(&self, state: &[u8], rect: &Rect, asked: &Tagged) -> bool {
         if asked.rects[rect.space as usize].iter().any(|b| overlap(rect, &rect_at(rect, b))) {
@@ -233,7 +243,8 @@ impl Simulator {
             let cells = map.cells.get(start..row * map.columns + after).unwrap_or_default();
             cells.iter().enumerate().filter(|(_, kind)| kinds[usize::from(**kind)]).any(|(index, _)| {
                 let (left, bottom) = ((first + index) as i64 as f64 * width, row as i64 as f64 * height);
-                holds(start + index, &Bounds { left, right: left + width, bottom, top: bottom + height })
+                let bounds = Bounds { left, right: left + width, bottom, top: bottom + height };
+                self.under_line(rect, cells[index], bounds).is_some_and(|bounds| holds(start + index, &bounds))
             })
         })
     }

@@ -115,10 +115,21 @@ pub struct Tile {
     pub symbol_span: Span,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
+    /// The line up to which it is solid.
+    pub slope: Option<Box<Slope>>,
     /// Whether it can be broken.
     pub breakable: Option<Box<Breakable>>,
     /// The instance that it spawns.
     pub spawn: Option<TileSpawn>,
+}
+
+/// `slope (x, y)-(x, y)`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slope {
+    /// The left end of the line, then the right one.
+    pub ends: [[Expr; 2]; 2],
+    /// The whole.
+    pub span: Span,
 }
 
 /// `breakable restore after time`
@@ -272,6 +283,8 @@ pub struct Kind {
     pub name: Name,
     /// Its tags; `empty` stands for none.
     pub tags: Vec<Name>,
+    /// The line up to which tiles of this name are solid.
+    pub slope: Option<Box<Slope>>,
     /// Whether tiles of this name can be broken.
     pub breakable: Option<Box<Breakable>>,
     /// The instance that it spawns.

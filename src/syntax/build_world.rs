@@ -5,7 +5,7 @@ use pest::iterators::Pair;
 use super::Rule;
 use super::ast::{
     Assignment, Breakable, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place,
-    Player, Question, Rectangle, Response, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem, Wrap,
+    Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem, Wrap,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -147,14 +147,25 @@ impl<'a> Builder<'a> {
         let symbol = inner.first()?;
         let character = symbol.clone().into_inner().next()?.as_str().chars().next()?;
         let (tags, spawn) = self.meaning(inner.get(1)?)?;
-        let breakable = self.breakable(inner.get(2))?;
-        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, breakable, spawn })
+        let slope = self.slope(&inner)?;
+        let breakable = self.breakable(&inner)?;
+        Some(Tile { symbol: character, symbol_span: self.span_of(symbol), tags, slope, breakable, spawn })
+    }
+
+    /// `slope (x, y)-(x, y)`, if that is written; none if it cannot be read.
+    #[allow(clippy::option_option, reason = "what is left out, and what cannot be read")]
+    fn slope(&mut self, tile: &[Pair<'_, Rule>]) -> Option<Option<Box<Slope>>> {
+        let Some(pair) = tile.iter().find(|pair| pair.as_rule() == Rule::slope) else { return Some(None) };
+        let points = parts(pair);
+        let end = |at: usize| -> Option<[Expr; 2]> { self.expressions(&parts(points.get(at)?))?.try_into().ok() };
+        let ends = [end(0)?, end(1)?];
+        Some(Some(Box::new(Slope { ends, span: self.span_of(pair) })))
     }
 
     /// `breakable restore after time`, if that is written; none if it cannot be read.
     #[allow(clippy::option_option, reason = "what is left out, and what cannot be read")]
-    fn breakable(&mut self, pair: Option<&Pair<'_, Rule>>) -> Option<Option<Box<Breakable>>> {
-        let Some(pair) = pair.filter(|pair| pair.as_rule() == Rule::breakable) else { return Some(None) };
+    fn breakable(&mut self, tile: &[Pair<'_, Rule>]) -> Option<Option<Box<Breakable>>> {
+        let Some(pair) = tile.iter().find(|pair| pair.as_rule() == Rule::breakable) else { return Some(None) };
         let restore = parts(pair).into_iter().find(|part| part.as_rule() == Rule::restore);
         let time = restore.and_then(|restore| parts(&restore).into_iter().find(|p| p.as_rule() == Rule::expression));
         let restore = match time {
@@ -202,8 +213,8 @@ impl<'a> Builder<'a> {
                     let inner = parts(&item);
                     let Some((name, what)) = inner.first().zip(inner.get(1)) else { continue };
                     let Some((tags, spawn)) = self.meaning(what) else { continue };
-                    let Some(breakable) = self.breakable(inner.get(2)) else { continue };
-                    found.kinds.push(Kind { name: self.name(name), tags, breakable, spawn });
+                    let Some((slope, breakable)) = self.slope(&inner).zip(self.breakable(&inner)) else { continue };
+                    found.kinds.push(Kind { name: self.name(name), tags, slope, breakable, spawn });
                 }
             }
         }

@@ -256,6 +256,7 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         R::rectangle => "`(x, y, width, height)`",
         R::formals | R::actuals => "`(`",
         R::within => "`in LOW..HIGH`",
+        R::dash => "`-`",
         R::wrap_way => "`horizontal` or `vertical`",
         R::dimension => "a dimension such as `px/s`",
         rule => return statement_word(rule).map(|word| format!("`{word}`").into()),
@@ -308,6 +309,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
         R::word_by | R::word_with | R::word_at | R::word_x | R::word_links | R::word_tile | R::word_after => {
             keyword(rule)
         }
+        R::slope => Some("slope"),
         R::breakable => Some("breakable"),
         _ if is_statement => opening_keywords(&format!("{rule:?}")).first().copied(),
         _ => None,

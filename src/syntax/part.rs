@@ -121,6 +121,8 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_collide
             | R::word_with
             | R::word_tiles
+            | R::dash
+            | R::word_slope
             | R::word_breakable
             | R::word_restore
             | R::word_after

@@ -1,11 +1,11 @@
 //! The tiles of a map: equal neighbours are merged into rectangles, and a map with very many small tiles is drawn
-//! coarser. Tiles that can be broken have dashed outlines.
+//! coarser. Slopes are drawn as what is below their line. Tiles that can be broken have dashed outlines.
 
-use crate::ir::{Bounds, TagId, TagSet, TileMap};
+use crate::ir::{Bounds, Slope, TagId, TagSet, TileMap};
 
 use super::appearance::{Appearances, Role};
-use super::frame::Frame;
-use super::svg::{box_data, path};
+use super::frame::{Frame, shared};
+use super::svg::{box_data, line_data, path};
 
 /// Maximum number of rectangles of a map.
 const MAX_RECTANGLES: usize = 15_000;
@@ -24,7 +24,11 @@ struct Grid {
 pub(super) fn draw(out: &mut String, frame: &Frame, map: &TileMap<TagId>, appearances: &Appearances) {
     let kinds = map.kinds.iter().map(|kind| kind.tags.iter().copied().collect::<TagSet>());
     let kinds: Vec<Option<u16>> = kinds.map(|tags| appearances.of(tags).map(|appearance| appearance as u16)).collect();
-    let cells = map.cells.iter().map(|&kind| kinds[usize::from(kind)]).collect();
+    let is_slope = |kind: &u16| map.kinds[usize::from(*kind)].slope.is_some();
+    // Very many slopes are drawn as whole tiles.
+    let has_slopes = map.cells.iter().filter(|kind| is_slope(kind)).nth(MAX_RECTANGLES).is_none();
+    let cells = map.cells.iter().map(|kind| kinds[usize::from(*kind)].filter(|_| !(has_slopes && is_slope(kind))));
+    let cells = cells.collect();
     let mut grid = Grid { columns: map.columns, rows: map.rows, tile: map.tile, appearances: cells };
     let mut rectangles = grid.rectangles();
     while rectangles.len() > MAX_RECTANGLES {
@@ -42,10 +46,33 @@ pub(super) fn draw(out: &mut String, frame: &Frame, map: &TileMap<TagId>, appear
                 box_data(&mut lips, lip);
             }
         }
+        let slopes = map.cells.iter().enumerate().filter(|(_, kind)| has_slopes && is_slope(kind));
+        for (cell, kind) in slopes.filter(|(_, kind)| kinds[usize::from(**kind)] == Some(index as u16)) {
+            slope(&mut data, frame, map, cell, usize::from(*kind));
+        }
         path(out, &format!("tile {}", appearance.class), &data);
         path(out, "tile lip", &lips);
     }
     breakable(out, frame, map);
+}
+
+/// Adds what is below the line of a slope, as far as it is in the picture.
+fn slope(data: &mut String, frame: &Frame, map: &TileMap<TagId>, cell: usize, kind: usize) {
+    let tile = Bounds::new(map.rectangle(cell));
+    let (Some(Slope { left, right }), Some(_)) = (map.kinds[kind].slope, frame.cut(tile)) else { return };
+    let seen = shared(tile, frame.view);
+    let top = |x: f64| {
+        let along = (x - tile.left) / (tile.right - tile.left);
+        (tile.bottom + left + (right - left) * along).clamp(seen.bottom, seen.top)
+    };
+    let corners = [
+        [seen.left, seen.bottom],
+        [seen.right, seen.bottom],
+        [seen.right, top(seen.right)],
+        [seen.left, top(seen.left)],
+    ];
+    line_data(data, &corners.map(|corner| frame.point(corner)));
+    data.push('z');
 }
 
 /// Draws a dashed line around each tile that can be broken, unless they are too many to be seen.

@@ -165,6 +165,7 @@ const WORDS: &[&str] = &[
     "clamp",
     "invariant",
     "condition",
+    "slope",
     "breakable",
     "restore",
     "after",

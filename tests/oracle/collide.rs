@@ -7,10 +7,11 @@ use std::collections::BTreeSet;
 use hypedc::sema::checked::{CollideRule, Shape};
 
 use super::model::{Along, Contact, Fault, Oracle, State};
+use super::slope::Ends;
 use super::step::Passing;
 
 /// Maximum previous overlap that counts as outside, px.
-const TOLERANCE: f64 = 0.001;
+pub const TOLERANCE: f64 = 0.001;
 
 /// A rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,19 +32,21 @@ impl Area {
 #[derive(Debug, Clone)]
 pub struct Body {
     /// The instance; none for tiles and rectangles.
-    slot: Option<usize>,
-    tags: BTreeSet<TagId>,
+    pub slot: Option<usize>,
+    pub tags: BTreeSet<TagId>,
     /// Whether it is never pushed.
-    fixed: bool,
+    pub fixed: bool,
     pub area: Area,
     /// Centre and radius of a disc.
     pub disc: Option<(f64, f64, f64)>,
     /// The displacement back to its position at the beginning of the flows.
-    back: (f64, f64),
+    pub back: (f64, f64),
     /// The space of static geometry.
     pub space: Option<usize>,
     /// The column and the row of a tile.
     pub tile: Option<(i64, i64)>,
+    /// The line up to which a tile is solid.
+    pub slope: Option<Ends>,
 }
 
 /// A face of static geometry.
@@ -84,18 +87,22 @@ fn covers(stretches: Vec<(f64, f64)>, low: f64, high: f64) -> bool {
 }
 
 /// A contact of two bodies.
-struct Meeting {
-    one: usize,
-    two: usize,
-    response: Response,
+pub struct Meeting {
+    pub one: usize,
+    pub two: usize,
+    pub response: Response,
     /// The side of the first one.
-    side: Side,
+    pub side: Side,
     /// The sides of the first one on which it is pushed, and the distances.
-    pushes: Vec<(Side, f64)>,
+    pub pushes: Vec<(Side, f64)>,
     /// Whether the first one has left tags of the line, and the second one right ones.
-    first_on_second: bool,
+    pub first_on_second: bool,
     /// The same with the roles exchanged.
-    second_on_first: bool,
+    pub second_on_first: bool,
+    /// How far the first one is moved down, since it walks down a slope.
+    pub lowers: f64,
+    /// How far along x the first one was moved before it was looked at.
+    pub moved: f64,
 }
 
 impl Oracle<'_> {
@@ -104,9 +111,31 @@ impl Oracle<'_> {
         let mut start = state.clone();
         self.come_in(&mut start, state);
         let bodies = self.bodies(&start, state, passing)?;
-        let meetings = self.meetings(&bodies, state);
+        let meetings = self.all_meetings(&bodies, state, false);
         self.note(state, &bodies, &meetings);
         Ok(())
+    }
+
+    /// All contacts: those with slopes after all others; with `keep`, what walks is kept on the ground.
+    fn all_meetings(&self, bodies: &[Body], state: &State, keep: bool) -> Vec<Meeting> {
+        let mut meetings = self.meetings(bodies, state);
+        let net = |meetings: &[Meeting], slot: usize, (low, high): (Side, Side)| {
+            let pushes = pushes_of(slot, bodies, meetings);
+            let deepest = |side: Side| pushes.iter().filter(|p| p.0 == side).map(|p| p.1).fold(0.0, f64::max);
+            let (up, down) = (deepest(low), deepest(high));
+            if up >= down { up } else { -down }
+        };
+        let slots = 0..state.things.len();
+        let pushed: Vec<f64> = slots.clone().map(|slot| net(&meetings, slot, (Side::Left, Side::Right))).collect();
+        meetings.extend(self.slope_meetings(bodies, state, &pushed));
+        for slot in slots.filter(|slot| keep && state.things[*slot].is_some()) {
+            let is_free =
+                pushes_of(slot, bodies, &meetings).iter().all(|(side, ..)| [Side::Left, Side::Right].contains(side));
+            if is_free {
+                meetings.extend(self.kept(bodies, state, slot, pushed[slot]));
+            }
+        }
+        meetings
     }
 
     /// `start` is the state as the flows of this step began.
@@ -115,7 +144,7 @@ impl Oracle<'_> {
         let mut start = start.clone();
         self.come_in(&mut start, state);
         let bodies = self.bodies(&start, state, passing)?;
-        let meetings = self.meetings(&bodies, state);
+        let meetings = self.all_meetings(&bodies, state, true);
         self.note(state, &bodies, &meetings);
         self.push(state, &bodies, &meetings);
         self.come_in(&mut start, state);
@@ -186,6 +215,7 @@ impl Oracle<'_> {
                     back: (from.0 - x, from.1 - y),
                     space: None,
                     tile: None,
+                    slope: None,
                 });
             }
         }
@@ -207,12 +237,14 @@ impl Oracle<'_> {
             back: (0.0, 0.0),
             space: Some(number),
             tile,
+            slope: None,
         };
         let mut bodies: Vec<Body> = space.solids.iter().map(|s| body(&s.tags, Area::new(s.rect), None)).collect();
         if let Some(map) = &space.map {
             for row in 0..map.rows {
                 for column in 0..map.columns {
-                    let tags = &map.kinds[usize::from(map.cells[row * map.columns + column])].tags;
+                    let kind = &map.kinds[usize::from(map.cells[row * map.columns + column])];
+                    let tags = &kind.tags;
                     let is_there = !state.broken.contains_key(&(number, row * map.columns + column));
                     if is_there && !tags.is_empty() {
                         let (width, height) = map.tile;
@@ -222,7 +254,8 @@ impl Oracle<'_> {
                             right: column as f64 * width + width,
                             top: row as f64 * height + height,
                         };
-                        bodies.push(body(tags, area, Some((column as i64, row as i64))));
+                        let slope = kind.slope.map(|slope| Ends { left: slope.left, right: slope.right });
+                        bodies.push(Body { slope, ..body(tags, area, Some((column as i64, row as i64))) });
                     }
                 }
             }
@@ -247,7 +280,7 @@ impl Oracle<'_> {
 
     /// The response to a contact: the strongest of all matching lines; and whether the first body has left tags of such
     /// a line and the second one right ones, and with the roles exchanged.
-    fn response(&self, one: &Body, two: &Body) -> Option<(Response, bool, bool)> {
+    pub fn response(&self, one: &Body, two: &Body) -> Option<(Response, bool, bool)> {
         let has = |body: &Body, tags: &[TagId]| tags.iter().any(|t| body.tags.contains(t));
         let matches = |line: &CollideRule| {
             let ways = (has(one, &line.left) && has(two, &line.right), has(two, &line.left) && has(one, &line.right));
@@ -267,6 +300,9 @@ impl Oracle<'_> {
         for i in 0..count {
             for j in 0..bodies.len() {
                 let (one, two) = (&bodies[i], &bodies[j]);
+                if two.slope.is_some() {
+                    continue;
+                }
                 let is_pair =
                     if j < count { two.slot > one.slot && space(two) == space(one) } else { two.space == space(one) };
                 let seen = match two.slot.filter(|_| is_pair) {
@@ -303,6 +339,8 @@ impl Oracle<'_> {
             side,
             first_on_second,
             second_on_first,
+            lowers: 0.0,
+            moved: 0.0,
         };
         if response.push == Push::FromAbove {
             if first_on_second && b.top - (a.bottom + back_y) <= TOLERANCE {
@@ -322,34 +360,28 @@ impl Oracle<'_> {
         let level = if from_left { (Side::Right, to_left) } else { (Side::Left, to_right) };
         let upright = if from_below { (Side::Above, to_below) } else { (Side::Below, to_above) };
         let neighbour = |dx: i64, dy: i64| {
-            two.tile.is_some_and(|(column, row)| {
-                let space = self.space(two.space.unwrap());
-                let count = space.map.as_ref().map_or((1, 1), |map| (map.columns as i64, map.rows as i64));
-                let around = |at: i64, count: i64, wraps: bool| if wraps { at.rem_euclid(count) } else { at };
-                let cell = |(column, row): (i64, i64)| {
-                    (around(column, count.0, space.wraps[0]), around(row, count.1, space.wraps[1]))
-                };
-                bodies.iter().any(|other| {
-                    other.space == two.space
-                        && other.tile.map(cell) == Some(cell((column + dx, row + dy)))
-                        && self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block)
-                })
-            })
+            let other = two.tile.and_then(|_| self.tile_beside(bodies, one, two, (dx, dy)));
+            other.filter(|other| self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block))
+        };
+        // A slope covers a side that it is as high as.
+        let is_level_face_covered = |dx: i64| {
+            let size = two.area.top - two.area.bottom;
+            two.tile.is_some()
+                && self.height_beside(bodies, one, two, dx).is_some_and(|height| height >= size - TOLERANCE)
         };
         let least = if level.1 < upright.1 { level } else { upright };
-        let mut is_level_covered = neighbour(if from_left { -1 } else { 1 }, 0);
-        let mut is_upright_covered = neighbour(0, if from_below { -1 } else { 1 });
+        let mut is_level_covered = is_level_face_covered(if from_left { -1 } else { 1 });
+        let mut is_upright_covered =
+            neighbour(0, if from_below { -1 } else { 1 }).is_some_and(|other| match other.slope {
+                None => true,
+                // The upper face of what is under a slope, for what does not come from above and can be pushed aside.
+                Some(_) => {
+                    let at = Body { area: self.cell_area(two, (0, 1)).unwrap(), ..other.clone() };
+                    !from_below && !is_level_covered && !self.came_from_above(bodies, one, &at, one.start())
+                }
+            });
         // Faces between tiles depend only on neighbours; rectangles count up to a cell further.
-        let size = two.space.and_then(|space| self.world.spaces.iter().nth(space)?.map.as_ref()).map(|map| map.tile);
-        let is_near_rectangle = two.tile.zip(size).is_none_or(|((column, row), (width, height))| {
-            let is_near = |at: i64, low: f64, high: f64, size: f64| {
-                let cells = ((low - TOLERANCE) / size).floor() - 1.0..((high + TOLERANCE) / size).ceil() + 1.0;
-                cells.contains(&(at as f64))
-            };
-            bodies.iter().filter(|o| o.slot.is_none() && o.tile.is_none() && o.space == two.space).any(|o| {
-                is_near(column, o.area.left, o.area.right, width) && is_near(row, o.area.bottom, o.area.top, height)
-            })
-        });
+        let is_near_rectangle = self.is_near_rectangle(bodies, two);
         if two.slot.is_none() && is_near_rectangle && !(is_level_covered && is_upright_covered) {
             // The part of a face beside the first one, and the direction of its normal.
             let x = Face { at: if from_left { b.left } else { b.right }, looks_up: !from_left };
@@ -359,11 +391,13 @@ impl Oracle<'_> {
             let blocks = |other: &&Body| {
                 other.space == two.space && self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block)
             };
-            let areas: Vec<Area> = bodies.iter().filter(|o| o.slot.is_none()).filter(blocks).map(|o| o.area).collect();
-            let level_by_others = || {
-                let outside = areas.iter().filter(|o| x.is_outside(o.left, o.right));
-                covers(outside.map(|o| (o.bottom, o.top)).collect(), bottom, top)
-            };
+            let areas: Vec<Area> = bodies
+                .iter()
+                .filter(|o| o.slot.is_none() && o.slope.is_none())
+                .filter(blocks)
+                .map(|o| o.area)
+                .collect();
+            let level_by_others = || self.is_side_covered(bodies, one, two.space, (x.at, x.looks_up), (bottom, top));
             let upright_by_others = || {
                 let outside = areas.iter().filter(|o| y.is_outside(o.bottom, o.top));
                 covers(outside.map(|o| (o.left, o.right)).collect(), left, right)
@@ -398,6 +432,43 @@ impl Oracle<'_> {
         Some(meeting)
     }
 
+    /// Whether rectangles are near a tile: only then more than its neighbours can cover it.
+    pub fn is_near_rectangle(&self, bodies: &[Body], two: &Body) -> bool {
+        let size = two.space.and_then(|space| self.world.spaces.iter().nth(space)?.map.as_ref()).map(|map| map.tile);
+        two.tile.zip(size).is_none_or(|((column, row), (width, height))| {
+            let is_near = |at: i64, low: f64, high: f64, size: f64| {
+                let cells = ((low - TOLERANCE) / size).floor() - 1.0..((high + TOLERANCE) / size).ceil() + 1.0;
+                cells.contains(&(at as f64))
+            };
+            bodies.iter().filter(|o| o.slot.is_none() && o.tile.is_none() && o.space == two.space).any(|o| {
+                is_near(column, o.area.left, o.area.right, width) && is_near(row, o.area.bottom, o.area.top, height)
+            })
+        })
+    }
+
+    /// Whether what blocks lies along all of a part of a left or right side; a slope does up to its line.
+    pub fn is_side_covered(
+        &self,
+        bodies: &[Body],
+        one: &Body,
+        space: Option<usize>,
+        (at, looks_up): (f64, bool),
+        (low, high): (f64, f64),
+    ) -> bool {
+        let face = Face { at, looks_up };
+        let blocks = |other: &&Body| {
+            let is_there = other.slot.is_none() && other.space == space;
+            is_there && self.response(one, other).is_some_and(|(r, ..)| r.push == Push::Block)
+        };
+        let outside = bodies.iter().filter(blocks).filter(|o| face.is_outside(o.area.left, o.area.right));
+        let along = outside.filter_map(|o| {
+            let height = o.slope.map(|ends| if looks_up { ends.left } else { ends.right });
+            let top = height.map_or(o.area.top, |height| o.area.bottom + height);
+            (top > o.area.bottom).then_some((o.area.bottom, top))
+        });
+        covers(along.collect(), low, high)
+    }
+
     /// Records the contacts of instances.
     fn note(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
         for thing in state.things.iter_mut().flatten() {
@@ -413,13 +484,11 @@ impl Oracle<'_> {
             for (mine, other, side, may_stand) in sides {
                 let Some(slot) = mine.slot else { continue };
                 let thing = state.things[slot].as_mut().unwrap();
+                let mine_there = mine.area_moved(meeting.moved);
+                let part = other.part(mine_there);
                 let along = match side {
-                    Side::Left | Side::Right => {
-                        mine.area.top.min(other.area.top) - mine.area.bottom.max(other.area.bottom)
-                    }
-                    Side::Above | Side::Below => {
-                        mine.area.right.min(other.area.right) - mine.area.left.max(other.area.left)
-                    }
+                    Side::Left | Side::Right => mine_there.top.min(part.top) - mine_there.bottom.max(part.bottom),
+                    Side::Above | Side::Below => mine_there.right.min(part.right) - mine_there.left.max(part.left),
                 };
                 let cell = self.cell(other).filter(|(space, cell)| self.breakable(*space, *cell).is_some());
                 thing.contacts.insert(Contact {
@@ -441,27 +510,28 @@ impl Oracle<'_> {
     fn push(&self, state: &mut State, bodies: &[Body], meetings: &[Meeting]) {
         let start = state.clone();
         for (slot, thing) in state.things.iter_mut().enumerate().filter_map(|(slot, t)| Some((slot, t.as_mut()?))) {
-            // All pushes: the side, the distance, and the share of the velocity that is turned back if it is stopped.
-            let mut pushes: Vec<(Side, f64, Option<f64>)> = Vec::new();
-            for meeting in meetings.iter().filter(|m| m.response.push != Push::Sense) {
-                let (one, two) = (&bodies[meeting.one], &bodies[meeting.two]);
-                let share = if one.fixed || two.fixed { 1.0 } else { 0.5 };
-                for (side, depth) in &meeting.pushes {
-                    for (mine, side) in [(one, *side), (two, opposite(*side))] {
-                        if mine.slot == Some(slot) && !mine.fixed && *depth > 0.0 {
-                            let turned = meeting.response.stop.then(|| meeting.response.bounce.share());
-                            pushes.push((side, depth * share, turned));
-                        }
-                    }
-                }
-            }
+            let pushes = pushes_of(slot, bodies, meetings);
+            let is_meant = |meeting: &&Meeting| bodies[meeting.one].slot == Some(slot);
+            let lowers = meetings.iter().filter(is_meant).map(|meeting| meeting.lowers).fold(0.0, f64::max);
             for (axis, low, high) in [(0, Side::Left, Side::Right), (1, Side::Below, Side::Above)] {
                 let deepest = |side: Side| pushes.iter().filter(|p| p.0 == side).map(|p| p.1).fold(0.0, f64::max);
                 let turned = |side: Side| pushes.iter().filter(|p| p.0 == side).filter_map(|p| p.2).reduce(f64::max);
                 let (up, down) = (deepest(low), deepest(high));
                 let was = start.things[slot].as_ref().unwrap().vars[axis];
                 let [x, v, _] = &mut thing.vars[axis];
-                *x = was[0] + if up >= down { up } else { -down } + 0.0;
+                let lowers = if axis == 1 { lowers } else { 0.0 };
+                *x = was[0]
+                    + if lowers > 0.0 {
+                        -lowers
+                    } else if up >= down {
+                        up
+                    } else {
+                        -down
+                    }
+                    + 0.0;
+                if lowers > 0.0 && was[1] < 0.0 {
+                    *v = 0.0;
+                }
                 let into = if was[1] < 0.0 { turned(low) } else { turned(high).filter(|_| was[1] > 0.0) };
                 if let Some(share) = into {
                     *v = if share == 0.0 { 0.0 } else { -(share * was[1]) };
@@ -469,6 +539,24 @@ impl Oracle<'_> {
             }
         }
     }
+}
+
+/// All pushes of an instance: the side, the distance, and the share of the velocity that is turned back if it is stopped.
+fn pushes_of(slot: usize, bodies: &[Body], meetings: &[Meeting]) -> Vec<(Side, f64, Option<f64>)> {
+    let mut pushes: Vec<(Side, f64, Option<f64>)> = Vec::new();
+    for meeting in meetings.iter().filter(|m| m.response.push != Push::Sense) {
+        let (one, two) = (&bodies[meeting.one], &bodies[meeting.two]);
+        let share = if one.fixed || two.fixed { 1.0 } else { 0.5 };
+        for (side, depth) in &meeting.pushes {
+            for (mine, side) in [(one, *side), (two, opposite(*side))] {
+                if mine.slot == Some(slot) && !mine.fixed && *depth > 0.0 {
+                    let turned = meeting.response.stop.then(|| meeting.response.bounce.share());
+                    pushes.push((side, depth * share, turned));
+                }
+            }
+        }
+    }
+    pushes
 }
 
 /// Whether two shapes touch of which at least one is a circle.

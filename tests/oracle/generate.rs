@@ -41,6 +41,8 @@ pub(super) struct Generator<'c> {
     pub(super) has_signals: bool,
     /// Whether there are tiles that can be broken.
     has_bricks: bool,
+    /// Whether there are slopes.
+    has_slopes: bool,
     /// Whether a space has a map.
     has_map: bool,
     /// Which entities have a chance.
@@ -64,6 +66,7 @@ pub fn program(choices: &[u16]) -> String {
         has_axis: false,
         has_signals: false,
         has_bricks: false,
+        has_slopes: false,
         has_map: false,
         lucky: [false; 3],
         group: 0,
@@ -76,6 +79,7 @@ pub fn program(choices: &[u16]) -> String {
     g.has_shot = g.draw.chance(30);
     g.has_signals = g.draw.chance(30);
     g.has_bricks = g.draw.chance(25);
+    g.has_slopes = g.draw.chance(35);
     for role in [Role::Hero, Role::Foe, Role::Shot] {
         g.role = role;
         g.names();
@@ -530,6 +534,16 @@ impl Generator<'_> {
             let steps = 1 + self.draw.pick(5);
             self.line(format!("        'r': {second} breakable restore after {steps}frames"));
         }
+        if self.has_slopes {
+            let (tag, breaks) = (self.draw.one(&["wall", "cloud", "wall, coin", "coin"]), self.has_bricks);
+            self.line("        '/': wall slope (0, 0)-(16, 16)");
+            self.line("        'd': wall slope (0, 16)-(16, 0)");
+            self.line("        'h': wall slope (0, 0)-(16, 8)");
+            self.line("        'H': wall slope (0, 8)-(16, 16)");
+            let end = self.draw.one(&["0", "2.5", "12", "16"]);
+            self.line(format!("        's': {tag} slope (0, 12)-(16, {end})"));
+            self.line(if breaks { "        'B': brick slope (0, 0)-(16, 16) breakable" } else { "        'B': empty" });
+        }
         let tile_foe = self.has_foe && self.draw.chance(25);
         self.lucky[Role::Foe as usize] = self.has_foe && !tile_foe && self.draw.chance(25);
         if tile_foe {
@@ -660,6 +674,9 @@ impl Generator<'_> {
                     5 if tile_foe => 'F',
                     10 | 11 if self.has_bricks => 'b',
                     12 if self.has_bricks => 'r',
+                    10..=15 if self.has_slopes && row + 2 >= rows => {
+                        ['/', 'd', 'h', 'H', 's', 'B', '#', '.'][self.draw.pick(8)]
+                    }
                     6..=9 if row + 1 == rows => '#',
                     _ => '.',
                 };

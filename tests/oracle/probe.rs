@@ -3,8 +3,10 @@
 use hypedc::ir::TagId;
 use hypedc::sema::checked::{Collider, Probe, Shape};
 
+use super::collide::Area;
 use super::evaluate::Code;
 use super::model::Fault;
+use super::slope::Ends;
 
 /// How deep an overlap has to be to count, px.
 const TOLERANCE: f64 = 0.001;
@@ -17,6 +19,8 @@ struct Form {
     right: f64,
     top: f64,
     is_disc: bool,
+    /// The line up to which a tile is solid.
+    slope: Option<Ends>,
 }
 
 /// What is in a place.
@@ -49,8 +53,9 @@ impl Code<'_> {
                 let Some(cell) = cell.filter(|_| asked.bound.is_some()) else { continue };
                 for there in &images {
                     let other = self.image(me, form, [0, 0]);
-                    let area = (there.right.min(other.right) - there.left.max(other.left))
-                        * (there.top.min(other.top) - there.bottom.max(other.bottom));
+                    let part = part(*there, other);
+                    let area = (there.right.min(part.right) - there.left.max(part.left))
+                        * (there.top.min(part.top) - there.bottom.max(part.bottom));
                     let wins = most.is_none_or(|(known, at)| area > known || (area == known && cell < at));
                     if overlap(*there, other) && wins {
                         most = Some((area, cell));
@@ -120,7 +125,7 @@ impl Code<'_> {
             };
             if width > 0.0 && height > 0.0 {
                 let (left, bottom) = (px + x, py + y);
-                out.push(Form { left, bottom, right: left + width, top: bottom + height, is_disc });
+                out.push(Form { left, bottom, right: left + width, top: bottom + height, is_disc, slope: None });
             }
         }
         Ok(out)
@@ -136,6 +141,7 @@ impl Code<'_> {
             right: left + width,
             top: bottom + height,
             is_disc: false,
+            slope: None,
         };
         let rects = space.solids.iter().filter(|solid| solid.tags.contains(&tag));
         let mut out: Vec<_> = rects.map(|solid| solid.rect).map(|[x, y, w, h]| (form(x, y, w, h), None)).collect();
@@ -146,7 +152,9 @@ impl Code<'_> {
                     let (column, row) = ((at % map.columns) as f64, (at / map.columns) as f64);
                     let (width, height) = map.tile;
                     let cell = self.oracle.breakable(number, at).map(|_| at);
-                    out.push((form(column * width, row * height, width, height), cell));
+                    let slope = map.kinds[usize::from(*kind)].slope;
+                    let slope = slope.map(|slope| Ends { left: slope.left, right: slope.right });
+                    out.push((Form { slope, ..form(column * width, row * height, width, height) }, cell));
                 }
             }
         }
@@ -156,6 +164,13 @@ impl Code<'_> {
 
 /// Whether two forms sink into each other by more than the tolerance.
 fn overlap(a: Form, b: Form) -> bool {
+    if let (Some(ends), true) = (b.slope, a.is_disc) {
+        let centre = ((a.left + a.right) / 2.0, (a.bottom + a.top) / 2.0);
+        if (a.right - a.left) / 2.0 - ends.distance(area(b), centre).sqrt() <= TOLERANCE {
+            return false;
+        }
+    }
+    let b = part(a, b);
     let ways = [a.right - b.left, b.right - a.left, a.top - b.bottom, b.top - a.bottom];
     if ways.iter().any(|way| *way <= TOLERANCE) {
         return false;
@@ -174,4 +189,14 @@ fn overlap(a: Form, b: Form) -> bool {
             r - (dx * dx + dy * dy).sqrt() > TOLERANCE
         }
     }
+}
+
+fn area(of: Form) -> Area {
+    Area { left: of.left, bottom: of.bottom, right: of.right, top: of.top }
+}
+
+/// The part of a form that another one can overlap.
+fn part(a: Form, b: Form) -> Form {
+    let top = b.slope.map_or(b.top, |ends| ends.top(area(b), (a.left, a.right)));
+    Form { top, slope: None, ..b }
 }

@@ -22,6 +22,8 @@ pub struct Arena {
     has_boss: bool,
     /// Whether it has tiles that can be broken.
     pub has_bricks: bool,
+    /// Whether it has slopes.
+    has_slopes: bool,
     /// The instances that are placed, each with the number of its entity.
     pub places: Vec<usize>,
     /// Position of the last one.
@@ -68,6 +70,7 @@ impl Arena {
             thickness: [8.0, 2.0, 16.0, 120.0][draw.pick(4)],
             has_boss: draw.chance(10),
             has_bricks: draw.chance(20),
+            has_slopes: draw.chance(25),
             places: Vec::new(),
             last: (16.0, 16.0),
             body: [16.0; 2],
@@ -78,7 +81,7 @@ impl Arena {
     /// Nothing of its own: other options define its contents.
     pub fn clear(&mut self, links: bool) {
         (self.main, self.has_boss, self.links, self.has_attic) = (Kind::Nothing, false, links, false);
-        self.has_bricks = false;
+        (self.has_bricks, self.has_slopes) = (false, false);
     }
 
     /// The width of its maps, px.
@@ -137,6 +140,17 @@ impl Generator<'_> {
             let (first, time) = (self.draw.one(&["wall, brick", "brick"]), self.draw.one(&["0.2s", "3frames", "0.5"]));
             self.world_line(format!("'b': {first} breakable"));
             self.world_line(format!("'r': wall, brick breakable restore after {time}"));
+        }
+        if self.arena.has_slopes {
+            let (tag, end) =
+                (self.draw.one(&["wall", "cloud", "wall, \"thin ice\""]), self.draw.one(&["0", "2.5", "8"]));
+            let half = number(self.arena.tile / 2.0);
+            self.world_line(format!(
+                "'/': wall slope (0, 0)-({tile}, {tile})\n'd': wall slope (0, {tile})-({tile}, 0)"
+            ));
+            self.world_line(format!(
+                "'h': wall slope (0, 0)-({tile}, {half})\n'H': {tag} slope (0, {half})-({tile}, {end})"
+            ));
         }
         let settings = if self.draw.chance(40) { self.settings() } else { String::new() };
         self.world_line(format!("'a': spawn A{settings}"));
@@ -343,6 +357,9 @@ impl Generator<'_> {
                     () if is_border && is_open && self.draw.chance(25) => '.',
                     () if is_border => '#',
                     () if self.arena.has_bricks && self.draw.chance(30) => ['b', 'r'][self.draw.pick(2)],
+                    () if self.arena.has_slopes && row + 3 >= rows && self.draw.chance(45) => {
+                        ['/', 'd', 'h', 'H'][self.draw.pick(4)]
+                    }
                     () if self.draw.chance(15) => ['#', '-', '#', '~', 'w', 'a'][self.draw.pick(6)],
                     () if boss => {
                         boss = false;

@@ -3,6 +3,8 @@
 use hypedc::ir::{BreakableTiles, ColliderId, ExprId, Id, Shape, SlotId, SpaceId, TagId, TagSet, VarId};
 
 use super::eye::Eye;
+use crate::oracle::collide::Area;
+use crate::oracle::slope::Ends;
 
 /// How deep an overlap has to be, px.
 const DEEP: f64 = 0.001;
@@ -40,19 +42,29 @@ impl Eye<'_> {
         for (id, _) in own {
             let Some(me) = self.there(self.me, id, by)? else { continue };
             let there = &self.world.spaces[space];
-            let broken = &broken;
+            let (broken, me) = (&broken, &me);
             let tiles = there.map.iter().flat_map(|map| {
                 map.cells.iter().enumerate().filter(|(at, _)| !broken.contains(at)).filter_map(move |(at, kind)| {
                     let (column, row) = ((at % map.columns) as f64, (at / map.columns) as f64);
                     let (w, h) = map.tile;
                     let has = map.kinds[usize::from(*kind)].tags.contains(&other);
                     let is_breakable = map.kinds[usize::from(*kind)].breakable.is_some();
-                    has.then_some(([column * w, column * w + w, row * h, row * h + h], is_breakable))
+                    let mut sides = [column * w, column * w + w, row * h, row * h + h];
+                    if let Some(slope) = map.kinds[usize::from(*kind)].slope {
+                        let ends = Ends { left: slope.left, right: slope.right };
+                        let tile = Area { left: sides[0], right: sides[1], bottom: sides[2], top: sides[3] };
+                        let sinks = |[x, y, r]: [f64; 3]| r - ends.distance(tile, (x, y)).sqrt() > DEEP;
+                        if !me.disc.is_none_or(sinks) {
+                            return None;
+                        }
+                        sides[3] = ends.top(tile, (me.sides[0], me.sides[1]));
+                    }
+                    has.then_some((sides, is_breakable))
                 })
             });
             let rects = there.solids.iter().filter(|s| s.tags.meets(TagSet::of(other)));
             let rects = rects.map(|s| ([s.bounds.left, s.bounds.right, s.bounds.bottom, s.bounds.top], false));
-            let mut statics = tiles.chain(rects).filter(|(sides, _)| sinks(&me, &There { sides: *sides, disc: None }));
+            let mut statics = tiles.chain(rects).filter(|(sides, _)| sinks(me, &There { sides: *sides, disc: None }));
             if !bound && statics.next().is_some() {
                 return Some(Place::Static);
             }
@@ -64,7 +76,7 @@ impl Eye<'_> {
                     continue;
                 }
                 for (id, _) in self.entity(slot).colliders.pairs().filter(|(_, c)| c.tags.meets(TagSet::of(other))) {
-                    if self.there(slot, id, [0.0; 2])?.is_some_and(|there| sinks(&me, &there)) {
+                    if self.there(slot, id, [0.0; 2])?.is_some_and(|there| sinks(me, &there)) {
                         found = Place::Instance(slot);
                     }
                 }

@@ -560,7 +560,36 @@ impl Tally {
                     self.note("pushed from two sides");
                 }
             }
+            self.watch_slopes(sim, space, &bodies[..own]);
             self.watch_seams(sim, space, &bodies[..own], &bodies);
+        }
+    }
+
+    /// Records which colliders touch a slope that blocks, and from where.
+    fn watch_slopes(&self, sim: &Simulator, space: SpaceId, own: &[Body]) {
+        const NEAR: f64 = 0.01;
+        let Some(map) = &sim.world().spaces[space].map else { return };
+        for (cell, kind) in map.cells.iter().enumerate() {
+            let kind = &map.kinds[usize::from(*kind)];
+            let Some(slope) = kind.slope else { continue };
+            let [left, bottom, width, height] = map.rectangle(cell);
+            let tags = kind.tags.iter().copied().collect();
+            for body in own.iter().filter(|body| !body.is_kinematic) {
+                let pushes = sim.world().meeting(body.tags, tags).map(|meeting| meeting.response.push);
+                let [low, high, under, over] = body.sides;
+                if !matches!(pushes, Some(Push::Block | Push::FromAbove)) || high < left || low > left + width {
+                    continue;
+                }
+                let at = |x: f64| slope.left + (slope.right - slope.left) * ((x - left) / width).clamp(0.0, 1.0);
+                let top = bottom + at(low).max(at(high));
+                let is_level = over > bottom + NEAR && under < bottom + height - NEAR;
+                match () {
+                    () if (under - top).abs() < NEAR => self.note("on a slope"),
+                    () if (over - bottom).abs() < NEAR => self.note("under a slope"),
+                    () if is_level && (high - left).min(left + width - low) < NEAR => self.note("beside a slope"),
+                    () => {}
+                }
+            }
         }
     }
 
@@ -736,6 +765,9 @@ const EVENTS: &[&str] = &[
     "an instance begins where a placed one is gone",
     "an instance ends",
     "a player leaves its bounds",
+    "on a slope",
+    "under a slope",
+    "beside a slope",
     "a seam is crossed",
     "two across a seam",
     "a wall across a seam",

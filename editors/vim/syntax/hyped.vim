@@ -105,7 +105,8 @@ syn match hypedWidth /\K\k*\ze\s\+x\s/ contained
 syn match hypedTimes /\%([[:keyword:])]\s\+\)\@<=x\>\ze\s\+[[:keyword:](]/ contained
 syn region hypedTiles matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedExpression,hypedTile,hypedTileWord,hypedTiles
 syn match hypedTile /'.'\ze\s*:/ contained
-syn match hypedTileWord /\%([[:keyword:]"]\s\+\)\@<=breakable\>/ contained
+syn match hypedTileWord /\%([[:keyword:]"]\s\+\)\@<=slope\>\ze\s*(/ contained
+syn match hypedTileWord /\%([[:keyword:]")]\s\+\)\@<=breakable\>/ contained
 syn match hypedTileWord /\%(\<breakable\s\+\)\@<=restore\s\+after\>/ contained
 
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=collide\>/ contained nextgroup=hypedCollide skipwhite

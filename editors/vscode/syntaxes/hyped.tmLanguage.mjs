@@ -193,7 +193,8 @@ const repository = {
     patterns: [
       groups(r`\b(spawn)\s+(${NAME})(?:\s+(as)\s+(${NAME}))?`, 'keyword.control', 'entity.name.type', 'keyword.control', 'variable.other'),
       // After a tag; a tag of its own stands after a colon or a comma.
-      between(r`(?<=[\p{L}\p{N}_"])\s+(breakable)\b(?:\s+(restore)\s+(after)\b)?`, ['storage.modifier', 'keyword.control', 'keyword.control'], END, [], use('comments', 'expression')),
+      groups(r`(?<=[\p{L}\p{N}_"])\s+(slope)(?=\s*\()`, 'storage.modifier'),
+      between(r`(?<=[\p{L}\p{N}_")])\s+(breakable)\b(?:\s+(restore)\s+(after)\b)?`, ['storage.modifier', 'keyword.control', 'keyword.control'], END, [], use('comments', 'expression')),
       block(...use('expression')),
       ...use('tags'),
     ],

@@ -30,8 +30,10 @@ pub(in crate::analysis) struct Statics {
     pub slips: bool,
     /// Whether a push can end anywhere because the size of the pushed body is not constant.
     pub anywhere: bool,
-    /// Whether something that pushes it can be broken.
+    /// Whether something that pushes it can be broken, or is solid in a part of its box only.
     pub breaks: bool,
+    /// Whether a slope pushes it.
+    pub slopes: bool,
     /// Whether modes alone determine when the pushed bodies are active.
     pub is_steady: bool,
 }
@@ -51,6 +53,7 @@ impl Default for Statics {
             slips: false,
             anywhere: false,
             breaks: false,
+            slopes: false,
             is_steady: true,
         }
     }

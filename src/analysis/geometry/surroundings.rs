@@ -45,6 +45,8 @@ pub(in crate::analysis) struct Contacts {
     has_bounded_pushes: bool,
     /// Whether pushes can end anywhere.
     anywhere: bool,
+    /// Whether slopes push it: along x back to where it came from, too, and down to the ground as it walks.
+    slopes: bool,
     /// Whether a push stops the velocity into the surface.
     stops: bool,
     /// How pushes turn the velocity into the surface back.
@@ -238,6 +240,9 @@ impl Contacts {
         for axis in 0..2 {
             let var = VarId::XY[axis];
             let [position, velocity, _] = &mut moved.vars[var];
+            if self.slopes && axis == 0 {
+                *position = position.or(&motion.from[axis].map(rounded));
+            }
             let (Some(at), Some(free)) = (position.hull(), velocity.hull()) else { continue };
             let within = match motion.from[axis].hull().filter(|_| self.has_bounded_pushes) {
                 // It did not overlap the obstacle before. If the obstacle was beside it along this axis, it is pushed
@@ -301,7 +306,7 @@ impl Contacts {
     /// The intervals along an axis over which pushes can move an instance of a maximum speed, px/s: towards higher and
     /// towards lower coordinates. `None` if it can be moved anywhere.
     pub fn push_reach(&self, axis: usize, speed: [f64; 2], step: f64) -> Option<[Vec<Interval>; 2]> {
-        if self.anywhere || self.carried[axis].is_some() || speed.iter().any(|s| !s.is_finite()) {
+        if self.anywhere || self.slopes || self.carried[axis].is_some() || speed.iter().any(|s| !s.is_finite()) {
             return None;
         }
         if !self.is_pushed {
@@ -369,12 +374,20 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
         out.is_loose |= found.slips;
         out.bounces.extend(&found.bounces);
         out.anywhere |= found.anywhere;
+        out.slopes |= found.slopes;
+        out.is_loose |= found.slopes;
         for axis in 0..2 {
             for end in 0..2 {
                 out.edges[axis][end].extend(&found.edges[axis][end]);
                 out.faces[axis][end].extend(&found.faces[axis][end]);
             }
         }
+    }
+    if out.slopes {
+        // What stands a little above the ground is kept on it, too.
+        let wide = |i: Interval| Interval { low: i.low - 2.0 * TOLERANCE, high: i.high + 2.0 * TOLERANCE };
+        out.near = out.near.map(|near| near.map(wide));
+        out.near_statics = out.near;
     }
     let mut carried: [Vec<Interval>; 2] = [Vec::new(), Vec::new()];
     let mut is_moved_by_movers = false;
@@ -443,7 +456,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
         });
         let is_pushing = |p: &&Pair| pushes(scene, me, p);
         let by_all = statics.iter().all(|s| s.pushed.get(id.index()) == Some(&true)) && asked.iter().all(is_pushing);
-        if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere) {
+        if let (Some(side), true) = (touch.side, by_all && !is_moved_by_movers && !out.anywhere && !out.slopes) {
             let (axis, end) = face(side);
             // A push to the other side may have won; nothing is pushed before the first step.
             let ends: Vec<Interval> = match out.has_bounded_pushes {

@@ -1,6 +1,6 @@
 //! The tiles of a space as the analysis models them: tags, rows, columns and boxes of each kind of tile.
 
-use crate::ir::{Bounds, Side, SpaceId, TagId, TagSet, TileMap, World};
+use crate::ir::{Bounds, Side, Slope, SpaceId, TagId, TagSet, TileMap, World};
 use crate::watch::Meter;
 
 use crate::analysis::domain::values::Interval;
@@ -13,8 +13,10 @@ pub(in crate::analysis) struct Tiles<'a> {
     origin: [i64; 2],
     /// The tags of each kind of tile.
     pub tags: Vec<TagSet>,
-    /// Whether each kind of tile is always there.
+    /// Whether each kind of tile is always there, in all of its cell.
     pub lasts: Vec<bool>,
+    /// The line up to which each kind of tile is solid, if it is a slope: anything up to it may be there or not.
+    pub slopes: Vec<Option<Slope>>,
 }
 
 /// Intervals along an axis, px.
@@ -25,8 +27,9 @@ impl<'a> Tiles<'a> {
         let map = world.spaces[space].map.as_ref();
         let kinds = map.iter().flat_map(|m| &m.kinds);
         let origin = map.map_or([0; 2], |map| origin(&world.spaces[space], map));
-        let lasts = kinds.clone().map(|k| k.breakable.is_none()).collect();
-        Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts }
+        let lasts = kinds.clone().map(|k| k.breakable.is_none() && k.slope.is_none()).collect();
+        let slopes = kinds.clone().map(|k| k.slope).collect();
+        Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts, slopes }
     }
 
     /// Width and height of a tile, px.

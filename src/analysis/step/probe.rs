@@ -58,7 +58,7 @@ struct Overlap {
     must: [(f64, f64); 2],
     /// Outside of these it cannot.
     can: [(f64, f64); 2],
-    /// Whether the other one is always there.
+    /// Whether the other one is always there, in all of its box.
     lasts: bool,
 }
 
@@ -260,7 +260,9 @@ impl Reader<'_> {
                     if kind.is_some_and(|kind| has(&kind, map)) {
                         let (left, bottom) = (column as f64 * map.tile.0, row as f64 * map.tile.1);
                         let bounds = Bounds { left, right: left + map.tile.0, bottom, top: bottom + map.tile.1 };
-                        let lasts = !named && kind.is_some_and(|kind| map.kinds[kind].breakable.is_none());
+                        let is_sure =
+                            |kind: usize| map.kinds[kind].breakable.is_none() && map.kinds[kind].slope.is_none();
+                        let lasts = !named && kind.is_some_and(is_sure);
                         out.extend(near(bounds).map(|there| Overlap { lasts, ..there }));
                     }
                 }

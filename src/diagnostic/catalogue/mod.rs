@@ -18,6 +18,7 @@ pub mod import;
 pub mod lint;
 pub mod names;
 pub mod run;
+pub mod slope;
 pub mod structure;
 pub mod syntax;
 pub mod types;

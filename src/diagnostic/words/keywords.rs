@@ -349,6 +349,11 @@ pub const MEANINGS: &[Meaning] = &[
         "tiles room 16 x 16 {\n    '.': empty\n    '#': wall\n    'S': spawn Slime\n}",
     ),
     means(
+        "slope",
+        "After the tags of a tile: the two ends of a line, px from the tile's lower-left corner. Below it the tile is solid.",
+        "tiles room 16 x 16 { '/': wall slope (0, 0)-(16, 16) }",
+    ),
+    means(
         "breakable",
         "After the tags of a tile: `destroy` can break it, where `as` names it. It is one bit of the state.",
         "tiles room 16 x 16 { '#': brick breakable }",

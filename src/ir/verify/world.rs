@@ -96,6 +96,8 @@ fn map(program: &Program, map: &TileMap<TagId>) -> Checked {
     each_of("kinds", kinds, |kind| {
         let is_at_once = kind.breakable.is_some_and(|breakable| breakable.restore == Some(0));
         ensure(!is_at_once, "a broken tile is back at once").at("breakable")?;
+        let divides = kind.slope.is_none_or(|slope| slope.misfit(tile.1).is_none());
+        ensure(divides, "the line does not divide the tile").at("slope")?;
         super::all_exist(&kind.tags, &program.tags).at("tags")
     })
 }

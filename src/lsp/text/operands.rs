@@ -37,7 +37,8 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
         (_, Some(Block::Tiles | Block::Kinds)) => match () {
             () if has("spawn") => &["as"],
             () if has("breakable") || !has(":") => &[],
-            () => &["breakable"],
+            () if has("slope") => &["breakable"],
+            () => &["slope", "breakable"],
         },
         ("place" | "rect" | "bounds" | "collider" | "kinematic" | "link", _) if !cursor.calls.is_empty() => &[],
         _ if !cursor.calls.is_empty() => joined,

@@ -90,7 +90,7 @@
   "legend" "tile" "vglc" "tiled" "ldtk" "level" "x" "restore" "after"
 ] @keyword
 [(instant) (hold) (way)] @keyword
-["block" "sense" "keep" "velocity" "carry" "bounce" "breakable"] @keyword.modifier
+["block" "sense" "keep" "velocity" "carry" "bounce" "slope" "breakable"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
 ["and" "or" "not" "in" "is" "as" "any" "all" "touching" "nearest" "within"] @keyword.operator
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Bounds, Id, Meeting, Push, SpaceId, TagSet};
+use crate::ir::{Bounds, Id, Meeting, Push, Side, Slope, SpaceId, TagSet};
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::body::{Body, Kind, along, disjoin, edge, face, near, rounding, sides_of};
@@ -95,6 +95,7 @@ impl Scene<'_> {
             }
             met(meeting, tiles.size());
             out.breaks |= !tiles.lasts[kind];
+            out.slopes |= tiles.slopes[kind].is_some();
             let Some(extent) = body.extent else { continue };
             for side in sides_of(meeting) {
                 let (axis, end) = face(side);
@@ -106,7 +107,12 @@ impl Scene<'_> {
                 let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at), &self.meter);
                 for (lines, edges) in [(all, &mut out.edges), (open, &mut out.faces)] {
                     let lines = if axis == 0 { lines.0 } else { lines.1 };
-                    edges[axis][end].extend(lines.into_iter().map(|line| edge(extent, axis, end, line)));
+                    // On a slope a body rests anywhere between the ends of the line.
+                    let ends = tiles.slopes[kind].filter(|_| side == Side::Below).map(Slope::ends);
+                    edges[axis][end].extend(lines.into_iter().map(|(low, high)| {
+                        let to = |top: f64| edge(extent, axis, end, (low, top));
+                        ends.map_or(to(high), |(lowest, highest)| to(low + lowest).or(to(low + highest)))
+                    }));
                 }
             }
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use crate::support::{compile_text, program};
+use crate::support::{compile_text, goals_after, program};
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Script, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
@@ -432,4 +432,38 @@ fn a_step_over_slopes_allocates_nothing() {
         }
     });
     assert_eq!(info.count_total, 0);
+}
+
+#[test]
+fn many_instances_that_rest_on_slopes_touch_them() {
+    let place = |at: usize| format!("place p{at}: Plate at ({}, {})", 16 * at + 4, if at % 2 == 0 { 6 } else { 20 });
+    let plates: Vec<String> = (0..20).map(place).collect();
+    let text = format!(
+        "entity Plate {{
+             collider plate: rect(0, 0, 4, 4)
+             collider base: rect(0, 0, 4, 4)
+             mode dark {{ when touching(plate, ground) -> lit }}
+             mode lit {{ }}
+         }}
+         entity Ball {{ collider ball: rect(0, 0, 4, 4); mode rolling {{ x' = 60; y'' = -400 }} }}
+         world W {{
+             step 1/60
+             collide plate with ground: sense
+             collide ball with ground: block
+             tiles t 16 x 16 {{ '.': empty; '/': ground slope (0, 0)-(16, 16) }}
+             space main {{
+                 map t \"
+                     ....................
+                     ////////////////////
+                 \"
+                 place ball: Ball at (0, 32)
+                 {}
+             }}
+             goal low: p0 in lit and p18 in lit
+             goal high: p1 in lit or p19 in lit
+             goal rests: ball.y > -1 and ball.y < 20
+         }}",
+        plates.join("\n")
+    );
+    assert_eq!(goals_after(&text, "-*30"), ["low", "rests"]);
 }

@@ -13,7 +13,7 @@ impl Program {
     /// constant shape; no slot if there are fewer than [`MANY_STILL`] of them.
     ///
     /// Such an instance is the only one that ever takes its slot, its variables rest and nothing sets, bounds or pushes
-    /// them, and it can neither ride, follow links nor be brought across a seam.
+    /// them, it can neither ride, follow links nor be brought across a seam, and it meets no slope.
     pub fn still_slots(&self, world: &World) -> IdVec<SlotId, bool> {
         let mut can_rest: IdVec<EntityId, Option<bool>> = self.entities.iter().map(|_| None).collect();
         let others = tags_of_others(self, world);
@@ -73,10 +73,18 @@ impl Program {
             && slot.player.is_none()
             && slot.vars.len() >= VarId::XY.len()
             && !world.spaces[slot.space].wraps()
+            && !meets_slopes(entity, slot, world)
             && slot.vars.iter().all(|[_, velocity, acceleration]| *velocity == 0.0 && *acceleration == 0.0)
             && entity.free.iter().chain(entity.leaves.iter().flat_map(|leaf| &leaf.drives)).all(keeps)
             && entity.colliders.iter().all(|c| c.shape.sides(constant).is_some())
     }
+}
+
+/// Whether a rule pairs a collider of a slot with a slope of its space.
+fn meets_slopes(entity: &Entity, slot: &Slot, world: &World) -> bool {
+    let kinds = world.spaces[slot.space].map.iter().flat_map(|map| &map.kinds);
+    let mut slopes = kinds.filter(|kind| kind.slope.is_some()).map(|kind| kind.tags.iter().copied().collect());
+    slopes.any(|tags: TagSet| entity.colliders.iter().any(|c| world.meeting(c.tags, tags).is_some()))
 }
 
 /// The sets of tags that a collider can meet in a world.

@@ -42,7 +42,8 @@ impl Simulator {
     ) {
         let Scratch { boxes, displacements, lengths, .. } = scratch;
         let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
-        let bodies = &self.collision.bodies;
+        // Instances that never move meet no slope.
+        let bodies = &self.collision.bodies[..self.collision.moving];
         let mut from = 0;
         while let Some(first) = bodies.get(from) {
             let after = from + bodies[from..].iter().take_while(|body| body.slot == first.slot).count();

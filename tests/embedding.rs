@@ -197,7 +197,7 @@ fn what_is_told_is_what_has_changed() {
             }
         }
     }
-    let all = ["Broken", "Destroyed", "Edge", "Entered", "Goal", "Never", "Parted", "Spawned", "Touched"];
+    let all = ["Broken", "Destroyed", "Edge", "Entered", "Goal", "Never", "Parted", "Restored", "Spawned", "Touched"];
     assert_eq!(kinds.iter().map(String::as_str).collect::<Vec<_>>(), all);
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use crate::support::{compile_text, program};
+use crate::support::{compile_text, goals_after, program};
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
 use hypedc::sim::{Input, Scratch, Simulator, State, parse_script};
 use hypedc::source::SourceMap;
@@ -796,4 +796,18 @@ fn there_is_one_zero() {
         assert_eq!(run.modes(slot), ["here"], "{slot}");
         assert!(["x", "c"].iter().all(|var| run.var(slot, var).is_sign_positive()), "{slot}");
     }
+}
+
+#[test]
+fn what_is_spawned_has_counters_that_are_never_zero() {
+    let text = "entity Shot { discrete power: int 2..9 = 3; discrete debt: int -9..-2 = -3; mode only { } }
+         entity A { mode only { when timer < 1frames { spawn Shot(power = 5) } } }
+         world W {
+             step 1/10
+             limit Shot 2
+             space main { place a: A at (0, 0) }
+             goal spawned: any Shot.power == 5 and any Shot.debt == -3
+         }";
+    // An empty slot keeps the ranges, too: the program is verified.
+    assert_eq!(goals_after(text, "-"), ["spawned"]);
 }

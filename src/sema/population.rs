@@ -314,7 +314,8 @@ impl Checker<'_> {
             space: SpaceId(0),
             params: e.params.iter().map(|_| 0.0).collect(),
             vars: e.vars.iter().map(|_| [0.0; 3]).collect(),
-            discretes: e.discretes.iter().map(|_| 0).collect(),
+            // In its range, as every value of a program.
+            discretes: e.discretes.iter().map(|d| 0.clamp(d.range.0, d.range.1)).collect(),
             refs: e.refs.iter().map(|_| None).collect(),
             given: Vec::new(),
             span,

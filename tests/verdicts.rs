@@ -309,7 +309,9 @@ fn examples() -> Vec<(PathBuf, Arc<Program>)> {
 /// Asks about each goal and each `never` of each world of the examples, on all cores.
 fn every_question<T: Send>(ask: impl Fn(&Question<'_>) -> T + Sync) -> Vec<T> {
     let mut questions: Vec<(String, Arc<Program>, WorldId, Target)> = Vec::new();
-    for (path, program) in examples() {
+    // Its steps take ten times as long as those of most others.
+    let is_quick = |(path, _): &(PathBuf, Arc<Program>)| !path.ends_with("lode_runner.hyped");
+    for (path, program) in examples().into_iter().filter(is_quick) {
         for (world, table) in program.worlds.pairs() {
             let goals = table.goals.pairs().map(|(id, g)| (Target::Goal(id), &g.name));
             let nevers = table.nevers.pairs().map(|(id, n)| (Target::Never(id), &n.name));

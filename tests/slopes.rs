@@ -436,7 +436,8 @@ fn a_step_over_slopes_allocates_nothing() {
 
 #[test]
 fn many_instances_that_rest_on_slopes_touch_them() {
-    let place = |at: usize| format!("place p{at}: Plate at ({}, {})", 16 * at + 4, if at % 2 == 0 { 6 } else { 20 });
+    let place =
+        |at: usize| format!("place p{at}: Plate at ({}, {})", 16 * at + 4, if at.is_multiple_of(2) { 6 } else { 20 });
     let plates: Vec<String> = (0..20).map(place).collect();
     let text = format!(
         "entity Plate {{

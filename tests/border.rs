@@ -7,15 +7,14 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, program};
+use crate::support::{Disk, compile_text, program, script};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, NeverId, Program, WorldId};
 use hypedc::reach::{
     Exhaustion, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Termination, Verdict, reach,
 };
-use hypedc::sim::{Script, Simulator, parse_script};
-use hypedc::source::SourceMap;
+use hypedc::sim::Simulator;
 use hypedc::watch::Unwatched;
 
 const WORLD: WorldId = WorldId(0);
@@ -24,13 +23,6 @@ fn of_file(name: &str) -> Arc<Program> {
     let paths = ["tests/border", "tests/analysis/found/small"];
     let paths = paths.map(|folder| Path::new(folder).join(format!("{name}.hyped")));
     program(compile(paths.iter().find(|path| path.exists()).unwrap(), &Disk))
-}
-
-fn script(program: &Program, text: &str) -> Script {
-    let file = SourceMap::new().add("inputs", text.to_string());
-    let (script, found) = parse_script(program, WORLD, file, text);
-    assert!(found.is_empty(), "{text}: {found:?}");
-    script
 }
 
 fn ask(problem: &Problem<'_>, planner: Planner, hold: Option<(u16, u16)>) -> Outcome {

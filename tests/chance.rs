@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::support::{compile_text, program};
+use crate::support::{compile_text, program, script};
 use hypedc::ir::{GoalId, NeverId, Program, WorldId};
 use hypedc::reach::query::{Answer, Query, Session};
 use hypedc::reach::{Conclusion, Luck, Planner, Settings, Target};
@@ -44,13 +44,6 @@ world Table {
 
 fn compiled(text: &str) -> Arc<Program> {
     program(compile_text(text))
-}
-
-fn script(program: &Program, text: &str) -> Script {
-    let file = SourceMap::new().add("inputs", text);
-    let (script, found) = parse_script(program, WORLD, file, text);
-    assert!(found.is_empty(), "{text}: {found:?}");
-    script
 }
 
 fn refused(program: &Program, text: &str) -> String {

@@ -8,15 +8,14 @@ use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::support::{Disk, files, program};
+use crate::support::{Disk, files, program, script};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::reach::{
     Argument, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Verdict, reach, search as grow,
 };
-use hypedc::sim::{Input, PlayerInput, Script, Simulator, State, parse_script};
-use hypedc::source::SourceMap;
+use hypedc::sim::{Input, PlayerInput, Script, Simulator, State};
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
 use serde_json::Value;
@@ -35,13 +34,6 @@ fn target(program: &Program, name: &str) -> Target {
     let table = &program.worlds[WORLD];
     let goal = table.goals.pairs().find(|(_, g)| g.name == name).map(|(id, _)| Target::Goal(id));
     goal.or(table.nevers.pairs().find(|(_, n)| n.name == name).map(|(id, _)| Target::Never(id))).unwrap()
-}
-
-fn script(program: &Program, text: &str) -> Script {
-    let file = SourceMap::new().add("inputs", text.to_string());
-    let (script, found) = parse_script(program, WORLD, file, text);
-    assert!(found.is_empty(), "{text}: {found:?}");
-    script
 }
 
 fn asked(problem: &Problem<'_>, planner: Planner, seed: u64, nodes: u64) -> Outcome {

@@ -4,10 +4,9 @@
 
 use std::sync::Arc;
 
-use crate::support::{compile_text, program};
+use crate::support::{compile_text, count, program, run, slot};
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
-use hypedc::sim::{Input, Script, Simulator, State, parse_script};
-use hypedc::source::SourceMap;
+use hypedc::sim::{Input, Simulator};
 
 const WORLD: WorldId = WorldId(0);
 
@@ -43,36 +42,6 @@ fn walking(space: &str, more: &str) -> Arc<Program> {
     )))
 }
 
-fn slot(program: &Program, name: &str) -> SlotId {
-    program.worlds[WORLD].slots.find(|s| s.name == name).unwrap()
-}
-
-fn script(program: &Program, text: &str) -> Script {
-    let file = SourceMap::new().add("inputs", text.to_string());
-    let (script, found) = parse_script(program, WORLD, file, text);
-    assert!(found.is_empty(), "{text}: {found:?}");
-    script
-}
-
-/// Runs a script and calls `look` in each state.
-fn run(program: &Arc<Program>, inputs: &str, mut look: impl FnMut(&Simulator, &State)) -> (Simulator, State) {
-    let sim = Simulator::new(program, WORLD);
-    let mut scratch = sim.scratch();
-    let mut state = sim.initial(&mut scratch).unwrap();
-    for input in script(program, inputs).inputs() {
-        sim.step(&mut state, input, &mut scratch).unwrap();
-        look(&sim, &state);
-    }
-    (sim, state)
-}
-
-fn bumps(program: &Program, state: &State) -> i32 {
-    let hero = slot(program, "hero");
-    let world = &program.worlds[WORLD];
-    let id = program.entities[world.slots[hero].entity].discretes.find(|d| d.name == "bumps").unwrap();
-    world.layout.slots[hero].discrete(state, id)
-}
-
 #[test]
 fn a_floor_goes_on_across_the_seam() {
     // Of tiles, of one rectangle as long as the space, of one that lies on the seam, of short ones that touch there.
@@ -94,7 +63,7 @@ fn a_floor_goes_on_across_the_seam() {
                 crossed += usize::from((x - last).abs() > 40.0);
                 last = x;
             });
-            assert_eq!((crossed, bumps(&program, &state)), (8, 0), "{floor} {inputs}");
+            assert_eq!((crossed, count(&program, &state, "bumps")), (8, 0), "{floor} {inputs}");
         }
     }
 }
@@ -110,7 +79,7 @@ fn a_wall_behind_the_seam_blocks() {
         let hero = slot(&program, "hero");
         let (sim, state) = run(&program, "right*120", |_, _| {});
         assert_eq!(sim.position(&state, hero), (64.0, 16.0), "{wall}");
-        assert!(bumps(&program, &state) > 0, "{wall}");
+        assert!(count(&program, &state, "bumps") > 0, "{wall}");
         let (sim, state) = run(&program, "left*120", |_, _| {});
         assert_eq!(sim.position(&state, hero), (16.0, 16.0), "{wall}");
     }

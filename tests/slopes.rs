@@ -7,10 +7,9 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use crate::support::{compile_text, goals_after, program};
-use hypedc::ir::{Program, SlotId, VarId, WorldId};
-use hypedc::sim::{Script, Simulator, State, parse_script};
-use hypedc::source::SourceMap;
+use crate::support::{compile_text, count, goals_after, program, run, script, slot};
+use hypedc::ir::{Program, VarId, WorldId};
+use hypedc::sim::Simulator;
 
 const WORLD: WorldId = WorldId(0);
 
@@ -62,36 +61,6 @@ fn walking(body: &str, (speed, gravity): (f64, f64), steps: i32, world: &str) ->
             player 1: hero
         }}"
     )))
-}
-
-fn slot(program: &Program, name: &str) -> SlotId {
-    program.worlds[WORLD].slots.find(|s| s.name == name).unwrap()
-}
-
-fn script(program: &Program, text: &str) -> Script {
-    let file = SourceMap::new().add("inputs", text.to_string());
-    let (script, found) = parse_script(program, WORLD, file, text);
-    assert!(found.is_empty(), "{text}: {found:?}");
-    script
-}
-
-/// Runs a script and calls `look` in each state.
-fn run(program: &Arc<Program>, inputs: &str, mut look: impl FnMut(&Simulator, &State)) -> (Simulator, State) {
-    let sim = Simulator::new(program, WORLD);
-    let mut scratch = sim.scratch();
-    let mut state = sim.initial(&mut scratch).unwrap();
-    for input in script(program, inputs).inputs() {
-        sim.step(&mut state, input, &mut scratch).unwrap();
-        look(&sim, &state);
-    }
-    (sim, state)
-}
-
-fn count(program: &Program, state: &State, name: &str) -> i32 {
-    let hero = slot(program, "hero");
-    let world = &program.worlds[WORLD];
-    let id = program.entities[world.slots[hero].entity].discretes.find(|d| d.name == name).unwrap();
-    world.layout.slots[hero].discrete(state, id)
 }
 
 /// A terrain by the heights of the sides of its columns, in quarters of a tile.

@@ -36,6 +36,13 @@ pub struct TileKind<T> {
     pub breakable: Option<Breakable>,
 }
 
+impl<T> TileKind<T> {
+    /// Whether a tile of the kind is always there, in all of its cell.
+    pub fn lasts(&self) -> bool {
+        self.breakable.is_none() && self.slope.is_none()
+    }
+}
+
 impl<T> TileMap<T> {
     /// The kind of the tile at a column and a row; `None` outside the map.
     pub fn kind(&self, column: i64, row: i64) -> Option<usize> {

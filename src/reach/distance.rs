@@ -273,8 +273,7 @@ impl Grid {
         }
         let Some(map) = &space.map else { return };
         // A tile that can be broken is no wall, nor is a slope: the distance is too short rather than too long.
-        let lasts = |kind: &TileKind<TagId>| kind.breakable.is_none() && kind.slope.is_none();
-        let is_wall = |(tags_of, kind): (&TagSet, &TileKind<TagId>)| lasts(kind) && blocks(tags, *tags_of);
+        let is_wall = |(tags_of, kind): (&TagSet, &TileKind<TagId>)| kind.lasts() && blocks(tags, *tags_of);
         let is_wall: Vec<bool> = kinds.iter().zip(&map.kinds).map(is_wall).collect();
         for (cell, _) in map.cells.iter().enumerate().filter(|(_, kind)| is_wall[usize::from(**kind)]) {
             mark(Bounds::new(map.rectangle(cell)));

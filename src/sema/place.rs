@@ -140,7 +140,7 @@ impl Checker<'_> {
     pub(super) fn instance_of(
         &mut self,
         id: EntityId,
-        set: Values,
+        mut set: Values,
         name: Name,
         origin: Origin,
         space: SpaceId,
@@ -148,7 +148,6 @@ impl Checker<'_> {
         span: Span,
     ) -> Option<Instance> {
         let entity = self.checked.entities[id].clone();
-        let mut set = set;
         start::place(&entity, &mut set);
         let mut params: IdVec<_, f64> = IdVec::new();
         for (id, param) in entity.params.pairs() {

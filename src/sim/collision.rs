@@ -52,6 +52,8 @@ pub(super) struct Collision {
     pub grids: Vec<[Grid; 2]>,
     /// For each space, its free-standing rectangles, with those beyond a seam.
     pub solids: Vec<Vec<Solid>>,
+    /// For each pair of sets of tags, whether a contact has an effect.
+    pub effects: Vec<Vec<bool>>,
     /// What repeats in each space, if any space wraps.
     pub seams: Option<Seams>,
     /// The slopes of all maps, if there are any.
@@ -144,7 +146,7 @@ impl Encounter {
     }
 
     /// Whether a contact has no effect on the body.
-    pub fn is_idle(&self) -> bool {
+    fn is_idle(&self) -> bool {
         let response = self.meeting.response;
         response.push == Push::Sense && !response.carry && self.is_unread()
     }
@@ -248,17 +250,17 @@ impl Collision {
         }
         // Contacts without an effect need not be found.
         let count = of_sets.len();
-        let mut meet = vec![false; count * count];
+        let mut effects = vec![vec![false; count]; count];
         for kind in &kinds {
             let Some(&mine) = sets.get(&kind.tags.0) else { continue };
             let does = |with: &Option<Encounter>| with.as_ref().is_some_and(|with| !with.is_idle());
             for theirs in (0..count).filter(|&set| does(&kind.sets[set])) {
-                meet[mine * count + theirs] = true;
-                meet[theirs * count + mine] = true;
+                effects[mine][theirs] = true;
+                effects[theirs][mine] = true;
             }
         }
         let ids: Vec<(usize, SlotId)> = bodies[..moving].iter().map(|b: &Body| (b.set, b.slot)).collect();
-        let broad_phase = BroadPhase::new(&ids, count, |a, b| meet[a * count + b]);
+        let broad_phase = BroadPhase::new(&ids, count, |a, b| effects[a][b]);
         let carries = world.collide.iter().any(|c| c.response.carry);
         let of = |slot: SlotId| &program.entities[world.slots[slot].entity];
         let slots_with = |has: &dyn Fn(&Entity) -> bool| {
@@ -287,6 +289,7 @@ impl Collision {
             adjacency,
             grids,
             solids: statics,
+            effects,
             seams,
             slopes,
             rare_maps,

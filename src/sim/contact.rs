@@ -1,6 +1,6 @@
 //! Boxes, their overlaps, and the effect of a blocking contact on a movable body.
 
-use crate::ir::{Bounce, Meeting, Push, Side, SlotLayout};
+use crate::ir::{Bounce, Bounds, Meeting, Push, Side, SlotLayout};
 
 use super::state::{set_triple, triple};
 
@@ -27,6 +27,11 @@ impl Rect {
     /// The same box, moved by a way, px; its space and where it came from stay.
     pub fn moved(self, [x, y]: [f64; 2]) -> Rect {
         Rect { left: self.left + x, right: self.right + x, bottom: self.bottom + y, top: self.top + y, ..self }
+    }
+
+    /// A static box in the space of this one.
+    pub fn at(&self, b: &Bounds) -> Rect {
+        Rect { left: b.left, right: b.right, bottom: b.bottom, top: b.top, round: false, ..*self }
     }
 
     /// Whether two boxes overlap or touch, and are in one space.

@@ -272,6 +272,7 @@ impl Simulator {
             }
         }
     }
+
     /// Makes an instance refer to no destroyed one.
     pub(super) fn forget_destroyed(&self, state: &mut [u8], me: SlotId) {
         let layout = self.layout(me);

@@ -141,7 +141,7 @@ impl Simulator {
         let Some(breakables) = &self.breakables else { return };
         self.tiles_under(rect, asked, |cell, bounds| {
             let Some(tile) = breakables.tile(rect.space as usize, cell) else { return false };
-            let other = rect_at(rect, bounds);
+            let other = rect.at(bounds);
             if !breakables.is_broken(state, tile) && overlap(rect, &other) {
                 let width = rect.right.min(other.right) - rect.left.max(other.left);
                 let height = rect.top.min(other.top) - rect.bottom.max(other.bottom);
@@ -220,11 +220,11 @@ impl Simulator {
 
     /// Whether a box overlaps a tile or a rectangle of its space that has a tag.
     fn overlaps_static(&self, state: &[u8], rect: &Rect, asked: &Tagged) -> bool {
-        if asked.rects[rect.space as usize].iter().any(|b| overlap(rect, &rect_at(rect, b))) {
+        if asked.rects[rect.space as usize].iter().any(|b| overlap(rect, &rect.at(b))) {
             return true;
         }
         self.tiles_under(rect, asked, |cell, bounds| {
-            overlap(rect, &rect_at(rect, bounds)) && !self.is_gone(state, rect.space as usize, cell)
+            overlap(rect, &rect.at(bounds)) && !self.is_gone(state, rect.space as usize, cell)
         })
     }
 
@@ -248,11 +248,6 @@ impl Simulator {
             })
         })
     }
-}
-
-/// A static box in the space of another box.
-fn rect_at(of: &Rect, b: &Bounds) -> Rect {
-    Rect { left: b.left, right: b.right, bottom: b.bottom, top: b.top, round: false, ..*of }
 }
 
 /// Whether two shapes overlap by more than what faces that merely touch may.

@@ -97,7 +97,7 @@ fn remembered(program: &Program) -> u64 {
 }
 
 /// Where an instance begins; one that never moves stays there.
-fn first_position(slot: &Slot) -> (f64, f64) {
+pub(super) fn first_position(slot: &Slot) -> (f64, f64) {
     let along = |axis: usize| slot.vars.get(VarId::XY[axis]).map_or(0.0, |values| values[0] + 0.0);
     (along(0), along(1))
 }

@@ -161,7 +161,7 @@ impl Still {
         Scratch { awake: Vec::with_capacity(awake), visited: Vec::with_capacity(self.always.len() + awake) }
     }
 
-    /// The slots that every step looks at and whose instances never move.
+    /// The slots that every step looks at.
     pub fn visits(&self) -> impl Iterator<Item = usize> {
         self.always.iter().map(|slot| *slot as usize)
     }

@@ -2,15 +2,15 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Id, World};
+use crate::ir::{Id, SpaceId, World};
 use crate::watch::Meter;
 
 use super::actor::Actor;
 use super::chance::Frames;
-use super::collision::{Body, Collision};
+use super::collision::{Body, Collision, Encounter};
 use super::contact::Rect;
 use super::fault::Fault;
-use super::simulator::{Scratch, Simulator};
+use super::simulator::{Scratch, Simulator, first_position};
 use super::state::leaf_at;
 use super::still::Still;
 
@@ -44,6 +44,7 @@ struct Grid {
 #[derive(Debug, Clone, Copy, Default)]
 struct Axis {
     low: f64,
+    high: f64,
     per_px: f64,
     count: usize,
 }
@@ -64,11 +65,11 @@ impl Axis {
         let size = 2.0 * ends.map(|(from, to)| to - from).sum::<f64>() / count as f64;
         // The cast saturates, and makes 0 of no number.
         let cells = (((high - low) / size) as usize).clamp(1, count.max(1));
-        Axis { low, per_px: 0.0, count: 0 }.with_count(cells, high)
+        Axis { low, high, per_px: 0.0, count: 0 }.with_count(cells)
     }
 
-    fn with_count(self, count: usize, high: f64) -> Axis {
-        let per_px = count as f64 / (high - self.low);
+    fn with_count(self, count: usize) -> Axis {
+        let per_px = count as f64 / (self.high - self.low);
         Axis { per_px: if per_px.is_finite() { per_px } else { 0.0 }, count, ..self }
     }
 
@@ -90,12 +91,7 @@ impl Grid {
         let mut axes = sides.map(|ends| Axis::new(bodies.iter().map(|at| ends(&rect(*at)))));
         while axes[0].count * axes[1].count > 4 * bodies.len() {
             let longer = usize::from(axes[1].count > axes[0].count);
-            let (low, high) = bodies.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
-                let (from, to) = sides[longer](&rect(*at));
-                (low.min(from), high.max(to))
-            });
-            debug_assert!(low <= high);
-            axes[longer] = axes[longer].with_count(axes[longer].count / 2, high);
+            axes[longer] = axes[longer].with_count(axes[longer].count / 2);
         }
         let mut out = Grid { axes, ends: vec![0; axes[0].count * axes[1].count], ..Grid::default() };
         let (large, small): (Vec<u32>, Vec<u32>) = bodies.iter().partition(|at| {
@@ -171,19 +167,9 @@ impl Grid {
 impl StillBodies {
     /// Those of a world.
     pub fn new(world: &World, collision: &Collision) -> StillBodies {
-        let Collision { bodies, kinds, moving, .. } = collision;
+        let Collision { bodies, effects, moving, .. } = collision;
         let rects: Vec<Rect> = bodies[*moving..].iter().map(|body| rect(world, body)).collect();
         let rect_of = |at: u32| rects[at as usize - moving];
-        let sets = kinds.iter().flat_map(|kind| [kind.sets.len()]).max().unwrap_or(0);
-        let mut meets: Vec<Vec<bool>> = vec![vec![false; sets]; sets];
-        for body in bodies {
-            for (theirs, with) in kinds[body.kind].sets.iter().enumerate() {
-                if with.as_ref().is_some_and(|with| !with.is_idle()) {
-                    meets[body.set][theirs] = true;
-                    meets[theirs][body.set] = true;
-                }
-            }
-        }
         // An empty collider touches nothing.
         let is_solid = |at: &u32| rect_of(*at).active;
         let still: Vec<u32> = (*moving as u32..bodies.len() as u32).filter(is_solid).collect();
@@ -197,7 +183,7 @@ impl StillBodies {
             let mine = &bodies[at as usize];
             grids[rect.space as usize].near(&rect, rect_of, |other, _| {
                 let theirs = &bodies[other as usize];
-                if at < other && mine.slot != theirs.slot && meets[mine.set][theirs.set] {
+                if at < other && mine.slot != theirs.slot && effects[mine.set][theirs.set] {
                     pairs.push((at, other));
                 }
             });
@@ -208,16 +194,14 @@ impl StillBodies {
         });
         let fixed = fixed.collect();
         let is_still = |set: usize| bodies[*moving..].iter().any(|body| body.set == set);
-        let there: Vec<bool> = (0..sets).map(is_still).collect();
-        let with_still = |of: Vec<bool>| -> Option<Box<[bool]>> {
+        let there: Vec<bool> = (0..effects.len()).map(is_still).collect();
+        let with_still = |of: &Vec<bool>| -> Option<Box<[bool]>> {
             let of: Box<[bool]> = of.iter().zip(&there).map(|(meets, there)| *meets && *there).collect();
             of.contains(&true).then_some(of)
         };
-        StillBodies { grids, pairs, fixed, meets: meets.into_iter().map(with_still).collect(), rects }
+        StillBodies { grids, pairs, fixed, meets: effects.iter().map(with_still).collect(), rects }
     }
-}
 
-impl StillBodies {
     /// The box of a collider by its number among them; `None` if it is empty.
     pub fn rect(&self, at: usize) -> Option<Rect> {
         Some(self.rects[at]).filter(|rect| rect.active)
@@ -228,7 +212,7 @@ impl StillBodies {
 fn rect(world: &World, body: &Body) -> Rect {
     let slot = &world.slots[body.slot];
     let [x, y, width, height] = body.fixed.unwrap_or_default();
-    let [px, py] = [0, 1].map(|axis| slot.vars.iter().nth(axis).map_or(0.0, |values| values[0]) + 0.0);
+    let (px, py) = first_position(slot);
     let (left, bottom) = (px + x, py + y);
     Rect {
         left,
@@ -245,16 +229,12 @@ fn rect(world: &World, body: &Body) -> Rect {
 /// Whether a contact of a box with a tile, whole or broken, or with a rectangle could set a contact bit of its body.
 fn touches_fixed(collision: &Collision, world: &World, body: &Body, rect: &Rect) -> bool {
     let (kind, space) = (&collision.kinds[body.kind], rect.space as usize);
-    let is_near = |solid: &crate::ir::Solid| {
-        let b = solid.bounds;
-        rect.left <= b.right && b.left <= rect.right && rect.bottom <= b.top && b.bottom <= rect.top
-    };
-    let is_read = |with: &Option<super::collision::Encounter>| with.as_ref().is_some_and(|with| !with.is_unread());
+    let is_read = |with: &Option<Encounter>| with.as_ref().is_some_and(|with| !with.is_unread());
     let mut solids = collision.solids[space].iter().zip(&kind.solids[space]);
-    if solids.any(|(solid, with)| is_read(with) && is_near(solid)) {
+    if solids.any(|(solid, with)| is_read(with) && rect.is_near(&rect.at(&solid.bounds))) {
         return true;
     }
-    let Some(map) = world.spaces.iter().nth(space).and_then(|space| space.map.as_ref()) else { return false };
+    let Some(map) = &world.spaces[SpaceId(rect.space)].map else { return false };
     let [columns, rows] = &collision.grids[space];
     let ((first, after), (low, high)) = (columns.range(rect.left, rect.right), rows.range(rect.bottom, rect.top));
     (low..high).any(|row| {

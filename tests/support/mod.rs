@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use hypedc::compile::{Compilation, compile};
 use hypedc::diagnostic::render;
-use hypedc::ir::{GoalId, Program, WorldId};
-use hypedc::sim::{Input, Script, Simulator, parse_script};
+use hypedc::ir::{GoalId, Program, SlotId, WorldId};
+use hypedc::sim::{Input, Script, Simulator, State, parse_script};
 use hypedc::source::{Files, ReadError, SourceMap, decode};
 use rand::{Rng, RngExt};
 
@@ -52,16 +52,46 @@ pub fn program(compilation: Compilation) -> Arc<Program> {
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
 }
 
+/// A script for the first world, which must be valid.
+pub fn script(program: &Program, text: &str) -> Script {
+    let file = SourceMap::new().add("inputs", text);
+    let (script, found) = parse_script(program, WorldId(0), file, text);
+    assert!(found.is_empty(), "{text}: {found:?}");
+    script
+}
+
+/// Runs a script in the first world and calls `look` in each state.
+pub fn run(program: &Arc<Program>, inputs: &str, mut look: impl FnMut(&Simulator, &State)) -> (Simulator, State) {
+    let sim = Simulator::new(program, WorldId(0));
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for input in script(program, inputs).inputs() {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+        look(&sim, &state);
+    }
+    (sim, state)
+}
+
+/// The slot of a name in the first world.
+pub fn slot(program: &Program, name: &str) -> SlotId {
+    program.worlds[WorldId(0)].slots.find(|s| s.name == name).unwrap()
+}
+
+/// A discrete variable of `hero` in a state of the first world.
+pub fn count(program: &Program, state: &State, name: &str) -> i32 {
+    let hero = slot(program, "hero");
+    let world = &program.worlds[WorldId(0)];
+    let id = program.entities[world.slots[hero].entity].discretes.find(|d| d.name == name).unwrap();
+    world.layout.slots[hero].discrete(state, id)
+}
+
 /// The goals of the first world of a text that hold after the steps of a script.
 pub fn goals_after(text: &str, script: &str) -> Vec<String> {
     let program = program(compile_text(text));
     let sim = Simulator::new(&program, WorldId(0));
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
-    let file = SourceMap::new().add("inputs", script);
-    let (script, found) = parse_script(&program, WorldId(0), file, script);
-    assert!(found.is_empty(), "{found:?}");
-    for input in script.inputs() {
+    for input in self::script(&program, script).inputs() {
         sim.step(&mut state, input, &mut scratch).unwrap();
     }
     let goals = program.worlds[WorldId(0)].goals.pairs();

@@ -1,6 +1,6 @@
 //! The tiles of a space as the analysis models them: tags, rows, columns and boxes of each kind of tile.
 
-use crate::ir::{Bounds, Side, Slope, SpaceId, TagId, TagSet, TileMap, World};
+use crate::ir::{Bounds, Side, Slope, SpaceId, TagId, TagSet, TileKind, TileMap, World};
 use crate::watch::Meter;
 
 use crate::analysis::domain::values::Interval;
@@ -27,7 +27,7 @@ impl<'a> Tiles<'a> {
         let map = world.spaces[space].map.as_ref();
         let kinds = map.iter().flat_map(|m| &m.kinds);
         let origin = map.map_or([0; 2], |map| origin(&world.spaces[space], map));
-        let lasts = kinds.clone().map(|k| k.breakable.is_none() && k.slope.is_none()).collect();
+        let lasts = kinds.clone().map(TileKind::lasts).collect();
         let slopes = kinds.clone().map(|k| k.slope).collect();
         Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts, slopes }
     }

@@ -260,9 +260,7 @@ impl Reader<'_> {
                     if kind.is_some_and(|kind| has(&kind, map)) {
                         let (left, bottom) = (column as f64 * map.tile.0, row as f64 * map.tile.1);
                         let bounds = Bounds { left, right: left + map.tile.0, bottom, top: bottom + map.tile.1 };
-                        let is_sure =
-                            |kind: usize| map.kinds[kind].breakable.is_none() && map.kinds[kind].slope.is_none();
-                        let lasts = !named && kind.is_some_and(is_sure);
+                        let lasts = !named && kind.is_some_and(|kind| map.kinds[kind].lasts());
                         out.extend(near(bounds).map(|there| Overlap { lasts, ..there }));
                     }
                 }

@@ -22,7 +22,7 @@ pub const MAX_COPIES: usize = 50_000;
 
 /// A file of a [`SourceMap`].
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct FileId(pub u32);
 
 impl fmt::Debug for FileId {
@@ -98,7 +98,7 @@ fn counted(bytes: &[u8]) -> (usize, usize) {
 
 /// The serialised form of a [`SourceMap`].
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Texts {
     files: Vec<Text>,
     copies: Vec<(FileId, Span)>,
@@ -106,7 +106,7 @@ pub struct Texts {
 
 /// The serialised form of a file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Text {
     path: String,
     text: String,

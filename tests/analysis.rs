@@ -24,21 +24,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::soundness::poll_limit;
-use crate::support::{Disk, compile_text, files};
+use crate::support::{Disk, compile_text, files, is_long};
 use hypedc::compile::compile;
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use run::{Run, run};
 
-/// Whether to run the long version.
-fn is_long() -> bool {
-    std::env::var_os("HYPEDC_LONG").is_some()
-}
-
 #[test]
 fn no_random_state_lies_outside() {
-    let steps = if is_long() { 1_000_000 } else { 5_000 };
+    let steps = if is_long() { 1_000_000 } else { 2_000 };
     let (mut all, mut worlds, mut states) = (Vec::new(), 0, 0);
     for path in files("examples", "hyped").into_iter().chain(files("tests/conformance", "hyped")) {
         let program = compile(Path::new(&path), &Disk).program.unwrap();
@@ -113,7 +108,7 @@ fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> S
 
 #[test]
 fn no_state_of_a_lively_program_lies_outside() {
-    let tally = hold(if is_long() { 5_000 } else { 200 }, 200..700, generate::program);
+    let tally = hold(if is_long() { 5_000 } else { 100 }, 200..700, generate::program);
     // Otherwise the test is weak.
     assert!(tally.compiled * 100 >= tally.programs * 90, "{tally:?}");
     assert!(tally.given_up * 100 <= tally.slots * 5, "{tally:?}");

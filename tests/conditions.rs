@@ -214,17 +214,17 @@ fn long_chains_of_conditions_end_at_a_limit() {
     for is_backwards in [false, true] {
         for (start, end) in [("", ""), ("not ", ""), (&*"(".repeat(60), &*")".repeat(60))] {
             let mut lines = vec!["condition c0 = y > 3".to_string()];
-            lines.extend((1..3_000).map(|i| format!("condition c{i} = {start}c{}{end}", i - 1)));
+            lines.extend((1..1_500).map(|i| format!("condition c{i} = {start}c{}{end}", i - 1)));
             if is_backwards {
                 lines.reverse();
             }
-            let text = format!("entity A {{\n{}\nmode m {{ when c2999 {{ y := 0 }} }}\n}}\n", lines.join("\n"));
+            let text = format!("entity A {{\n{}\nmode m {{ when c1499 {{ y := 0 }} }}\n}}\n", lines.join("\n"));
             let (codes, shown) = findings(&text);
             assert!(!codes.is_empty() && codes.iter().all(|code| *code == Code::TooLarge), "{start}: {shown}");
         }
     }
     // A circle of the same length.
-    let lines: Vec<String> = (0..3_000).map(|i| format!("condition c{i} = c{}", (i + 1) % 3_000)).collect();
+    let lines: Vec<String> = (0..1_500).map(|i| format!("condition c{i} = c{}", (i + 1) % 1_500)).collect();
     let (codes, _) = findings(&format!("entity A {{\n{}\n}}\n", lines.join("\n")));
     assert!(!codes.is_empty() && codes.iter().all(|code| *code == Code::TooLarge));
 }

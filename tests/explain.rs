@@ -10,6 +10,9 @@ use std::process::{Command, Output};
 
 use hypedc::diagnostic::Code;
 use hypedc::diagnostic::page::{Example, Page, Part, Side};
+use hypedc::diagnostic::words::{MEANINGS, Meaning};
+use hypedc::source::FileId;
+use hypedc::syntax::parse;
 
 const PAGES: &str = "src/diagnostic/catalogue/pages";
 
@@ -220,4 +223,26 @@ fn a_check_with_findings_ends_with_the_way_to_its_page() {
     assert_eq!(hint(&["check", wrong, "--format", "short"]), "");
     assert_eq!(hint(&["check", "tests/ui/idle_edge.hyped"]), "for more on a warning: hypedc explain W0401");
     assert_eq!(hint(&["check", wrong, "tests/ui/idle_edge.hyped"]), "for more on an error: hypedc explain E0302");
+}
+
+#[test]
+fn examples_of_words_fit_the_grammar_and_hold_their_word() {
+    let around = [
+        "|",
+        "entity A { | }",
+        "entity A { mode m { | } }",
+        "entity A { envelope x' by a { | } }",
+        "world W { | }",
+        "world W { space s { | } }",
+    ];
+    for Meaning { word, example, .. } in MEANINGS {
+        // Some lines of an example are alternatives, so that each is parsed alone.
+        let parts: Vec<&str> = if example.contains(['{', '"']) { vec![example] } else { example.lines().collect() };
+        for part in parts {
+            let fits = |outer: &&str| !parse(FileId(0), &outer.replace('|', part)).1.has_errors();
+            assert!(around.iter().any(fits), "{word}: {part}");
+        }
+        let words: Vec<&str> = example.split(|c: char| !c.is_alphanumeric()).collect();
+        assert!(words.contains(word), "{word} is not in its example");
+    }
 }

@@ -22,7 +22,7 @@ use rand_pcg::Pcg64;
 const STEPS: usize = 3_000;
 
 /// Number of modified versions of an example.
-const CHANGES: usize = 18;
+const CHANGES: usize = 9;
 
 /// A program with one file changed.
 struct Changed<'a>(&'a Path, &'a str);

@@ -3,15 +3,18 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+use std::fs::{create_dir_all, read_dir, read_to_string, remove_dir_all, write};
 use std::path::Path;
 use std::sync::Arc;
 
 use crate::support::{Disk, compile_text, files, program};
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
+use hypedc::cli::answer_by_analysis_of;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{
-    Argument, Limits, Monitor, Outcome, Planner, Problem, Settings, Verdict, improve_duration, reach, search, shorten,
+    Argument, Conclusion, Limits, Monitor, Outcome, Planner, Problem, Settings, Verdict, improve_duration, reach,
+    search, shorten,
 };
 use hypedc::sim::{Script, Simulator, parse_script};
 use hypedc::source::SourceMap;
@@ -163,4 +166,59 @@ fn who_searches_side_by_side_does_not_matter() {
         ask(&Problem::new(&sim, FAR), &space, &settings).refuted.unwrap()
     };
     assert_eq!(of(1), of(3));
+}
+
+fn source(speed: u32) -> String {
+    format!(
+        "entity Walker {{
+            button go
+            mode still {{ x' = 0; when held(go) -> moving }}
+            mode moving {{ x' = {speed} }}
+        }}
+        world Field {{
+            space main {{ place walker: Walker at (0, 0) }}
+            player 1: walker
+            goal fast: walker.x' > 50
+            goal far: walker.x > 40
+        }}\n"
+    )
+}
+
+/// The analysis of a slower world simulates a wrong analysis.
+#[test]
+fn a_wrong_analysis_is_told_kept_and_fails_the_command() {
+    let folder = std::env::temp_dir().join(format!("hypedc-refuted-{}", std::process::id()));
+    create_dir_all(&folder).unwrap();
+    let (slow, fast) = (folder.join("slow.hyped"), folder.join("fast.hyped"));
+    write(&slow, source(30)).unwrap();
+    write(&fast, source(60)).unwrap();
+    let answer = |file: &Path, more: &[&str]| {
+        let arguments = ["hypedc", "reach", file.to_str().unwrap(), "--nodes", "500"];
+        answer_by_analysis_of(&slow, &[&arguments, more].concat()).unwrap().unwrap()
+    };
+    let written = || {
+        let names = read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.filter(|name| name.ends_with(".txt")).collect();
+        names.sort();
+        names
+    };
+
+    let (is_yes, verdict, _) = answer(&slow, &[]);
+    assert_eq!((is_yes, verdict), (false, Conclusion::ProvenUnreachable));
+    assert!(written().is_empty(), "of itself, it is right");
+
+    let (is_yes, verdict, text) = answer(&fast, &[]);
+    assert_eq!((is_yes, verdict), (false, Conclusion::NotAnswered));
+    assert!(text.contains("the analysis is wrong about this world"));
+    // The answer is the expected one, but the analysis is refuted.
+    assert!(!answer(&fast, &["--goal", "far", "--seed", "7"]).0);
+    assert!(answer(&fast, &["--goal", "far", "--no-check-states"]).0);
+    assert!(!answer(&fast, &["--goal", "far", "--format", "json"]).0);
+    let first = "hypedc-refuted-Field-1.txt";
+    assert_eq!(written(), ["hypedc-refuted-Field-1-2.txt", first, "hypedc-refuted-Field-7.txt"]);
+    let text = read_to_string(folder.join(first)).unwrap();
+    for part in ["walker in moving: x' is 60, allowed is 30", "inputs   go", "world    Field", "seed     1"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    remove_dir_all(&folder).unwrap();
 }

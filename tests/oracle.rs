@@ -24,7 +24,7 @@ use std::cell::RefCell;
 use std::path::Path;
 
 use crate::analysis::{any_program, generate as lively};
-use crate::support::{Disk, Text, files};
+use crate::support::{Disk, Text, files, is_long};
 use hypedc::compile::{IdeCompilation, compile_for_ide};
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
@@ -32,11 +32,6 @@ use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use verdict::{Judge, Tally};
-
-/// Whether to run the long version.
-fn is_long() -> bool {
-    std::env::var_os("HYPEDC_LONG").is_some()
-}
 
 /// A number from the environment.
 fn set(name: &str) -> Option<u64> {
@@ -129,7 +124,7 @@ fn tiny_worlds_have_the_same_states() {
 
 #[test]
 fn worlds_with_many_instances_that_never_move_have_the_same_states() {
-    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 10_000 } else { 300 });
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 10_000 } else { 150 });
     same_states(worlds, 80, lamps::program);
     let tally = RefCell::new(lamps::Tally::default());
     hold(worlds, lamps::program, |study, seed| {
@@ -147,7 +142,7 @@ fn worlds_with_many_instances_that_never_move_have_the_same_states() {
 
 #[test]
 fn lively_worlds_have_the_same_states() {
-    same_states(if is_long() { 5_000 } else { 100 }, 200, lively::program);
+    same_states(if is_long() { 5_000 } else { 60 }, 200, lively::program);
 }
 
 #[test]
@@ -157,7 +152,7 @@ fn any_worlds_have_the_same_states() {
 
 /// Judges many tiny worlds.
 fn true_verdicts(judge: Judge) -> Tally {
-    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 20_000 } else { 400 });
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 20_000 } else { 250 });
     let most = if is_long() { 3_000 } else { 600 };
     let tally = RefCell::new(Tally::default());
     hold(worlds, generate::program, |study, _| verdict::check(study, judge, most, &mut tally.borrow_mut()));
@@ -195,7 +190,7 @@ fn states_are_the_same_to_the_bit() {
         let Some(program) = &study.compilation.program else { panic!("{} does not compile", path.display()) };
         for (world, table) in program.worlds.pairs().filter(|(_, w)| w.open.is_none()) {
             let mut rng = Pcg64::seed_from_u64(1);
-            let run = compare::run(program, &study.checked, world, 300, &mut rng);
+            let run = compare::run(program, &study.checked, world, if is_long() { 3_000 } else { 120 }, &mut rng);
             worlds += 1;
             steps += run.steps;
             faults += usize::from(run.faulted);

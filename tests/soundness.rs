@@ -40,7 +40,7 @@ mod witness;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::outside;
-use crate::support::files;
+use crate::support::{files, is_long};
 use alike::Otherwise;
 use choices::choices;
 use claims::Claims;
@@ -58,7 +58,7 @@ use tally::Tally;
 /// The numbers of the worlds to test: a default range, or as set by the environment.
 fn seeds(usual: u64) -> std::ops::Range<u64> {
     let number = |name: &str| std::env::var(name).ok().and_then(|v| v.parse().ok());
-    if std::env::var_os("HYPEDC_LONG").is_none() {
+    if !is_long() {
         return 0..usual;
     }
     let from: u64 = number("HYPEDC_FROM").unwrap_or(0);
@@ -77,7 +77,7 @@ fn holds(source: &Source, usual: u64, compiles: u64) {
 
 #[test]
 fn nothing_that_is_claimed_of_random_worlds_is_false() {
-    holds(&Source::Drawn, 700, 90);
+    holds(&Source::Drawn, 400, 90);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn what_was_false_once_is_not_said_again() {
 #[test]
 fn every_construct_happens() {
     let mut tally = Tally::default();
-    for seed in seeds(4_000) {
+    for seed in seeds(2_000) {
         let text = program(&choices(seed), Frame::default());
         let compilation = compiled(&text);
         let Some(program) = &compilation.program else { continue };
@@ -176,7 +176,7 @@ fn names_of_guards_change_nothing() {
 fn possible_states_lead_to_possible_ones() {
     let mut hints: BTreeMap<String, (usize, String)> = BTreeMap::new();
     let (mut states, mut stepped) = (0, 0);
-    for seed in seeds(150) {
+    for seed in seeds(80) {
         let compilation = compiled(&program(&choices(seed), Frame::default()));
         let Some(program) = &compilation.program else { continue };
         let claims = Claims::of(&compilation, program, WorldId(0));
@@ -204,7 +204,7 @@ fn possible_states_lead_to_possible_ones() {
 #[test]
 fn the_same_world_written_otherwise_is_judged_alike() {
     let mut differ: BTreeMap<Otherwise, (usize, Vec<String>)> = BTreeMap::new();
-    for seed in seeds(150) {
+    for seed in seeds(80) {
         let choices = choices(seed);
         let verdicts = |text: &str| {
             let compilation = compiled(text);

@@ -11,7 +11,7 @@ use super::row::{Key, Row};
 
 /// Whether a change is for the better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
     /// The verdict is the expected one now, and was not.
@@ -24,7 +24,7 @@ pub enum Change {
 
 /// A verdict that is another one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Flip {
     /// What it is about.
     #[serde(flatten)]
@@ -39,7 +39,7 @@ pub struct Flip {
 
 /// A path whose length is another one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct LengthChange {
     /// What it is about.
     #[serde(flatten)]
@@ -52,7 +52,7 @@ pub struct LengthChange {
 
 /// A question that only one of the two runs asked.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Unpaired {
     /// What it is about.
     #[serde(flatten)]
@@ -71,7 +71,7 @@ impl Unpaired {
 
 /// What changed since an older run.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Comparison {
     /// Verdicts that are others, in the order of the new rows.
     pub flips: Vec<Flip>,

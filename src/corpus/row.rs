@@ -12,7 +12,7 @@ pub const ROW_VERSION: u32 = 4;
 /// All that a search depends on beside the program and the level. With the same settings, the same program and the same
 /// level a row is the same, but for its timing; with a limit of seconds it depends on the machine, too.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Settings {
     /// The version of `hypedc`.
     pub hypedc: String,
@@ -58,7 +58,7 @@ pub struct Settings {
 
 /// What depends on the machine.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Timing {
     /// Seconds on the clock that the search took.
     pub seconds: f64,
@@ -70,7 +70,7 @@ pub struct Timing {
 
 /// What tells the questions of a run apart.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Key {
     /// The path of the level as it was given; none for a program that has its maps in it.
     pub level: Option<String>,
@@ -94,7 +94,7 @@ impl Key {
 
 /// What came of one question about one level: its answer, with all that it depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Row {
     /// [`ROW_VERSION`].
     pub row: u32,

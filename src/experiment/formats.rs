@@ -78,7 +78,7 @@ pub fn csv_line(design: &Design, questions: &[Question<'_>], run: &Run) -> Strin
 
 /// All of an experiment.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Experiment<'a> {
     /// The version of this format.
     version: u32,
@@ -95,7 +95,7 @@ struct Experiment<'a> {
 }
 
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct SettingsPart {
     /// The number of seeds, from 1.
     seeds: u32,
@@ -110,7 +110,7 @@ struct SettingsPart {
 }
 
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct PaperPart {
     /// The limit of time for a run, s.
     seconds: u32,
@@ -119,7 +119,7 @@ struct PaperPart {
 }
 
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct QuestionPart<'a> {
     /// `test1` or `test2` of the paper, or a file and its world.
     test: &'a str,
@@ -147,7 +147,7 @@ impl<'a> QuestionPart<'a> {
 
 /// A run or a row, with the question and the way to search.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Named<'a, T> {
     /// `test1` or `test2` of the paper, or a file and its world.
     test: &'a str,
@@ -183,7 +183,7 @@ impl<'a, T> Named<'a, T> {
 }
 
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct RunPart {
     /// The seed.
     seed: u64,
@@ -204,7 +204,7 @@ struct RunPart {
 }
 
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct RowPart {
     /// The number of runs.
     runs: u32,
@@ -229,7 +229,7 @@ struct RowPart {
 }
 
 /// The schema of what [`json`] gives.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(super) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(Experiment<'_>)
 }

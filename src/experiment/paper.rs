@@ -73,7 +73,7 @@ pub const RUNS: u32 = 50;
 
 /// A row of the paper's tables.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Published {
     /// Mean number of nodes over all runs.
     pub nodes: f64,

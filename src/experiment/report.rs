@@ -45,7 +45,7 @@ impl Report<'_> {
     }
 
     /// The schema of [`Report::json`].
-    #[cfg(feature = "schemas")]
+    #[cfg(feature = "testing")]
     pub(crate) fn json_schema() -> schemars::Schema {
         formats::json_schema()
     }

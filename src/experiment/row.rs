@@ -6,7 +6,7 @@ use super::{Finding, Run};
 
 /// The middle of some numbers, in two ways.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// Their sum by their count.
     pub mean: f64,

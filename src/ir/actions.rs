@@ -6,7 +6,7 @@ use super::{EntityId, ExprId, ParamId, Place, RefId, SendId, SignalId, SpawnId, 
 
 /// What happens on an edge, or when a mode is entered. All right sides read the state before the step.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Actions {
     /// Variables that change.
     pub updates: Vec<Update>,
@@ -23,7 +23,7 @@ pub struct Actions {
 
 /// A reference gets a value.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct RefUpdate {
     /// The reference.
     pub reference: RefId,
@@ -33,7 +33,7 @@ pub struct RefUpdate {
 
 /// An instance or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RefValue {
     /// None.
@@ -44,7 +44,7 @@ pub enum RefValue {
 
 /// A new instance takes the lowest free slot of its entity; `x`, `y` and the space are the spawner's where not given.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Spawn {
     /// The entity.
     pub entity: EntityId,
@@ -60,7 +60,7 @@ pub struct Spawn {
 
 /// A signal that instances of an entity receive.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Signal {
     /// Its name.
     pub name: String,
@@ -70,7 +70,7 @@ pub struct Signal {
 
 /// The number of a signal, added up over all that is sent in a step.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Sum {
     /// Its name.
     pub name: String,
@@ -80,7 +80,7 @@ pub struct Sum {
 
 /// A signal is sent: its receivers have it in the next step. Sent to nobody, it is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Send {
     /// The receiver; all living instances of the entity if none.
     pub to: Option<Subject>,
@@ -94,7 +94,7 @@ pub struct Send {
 
 /// An update; the right side reads the state before the step.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Update {
     /// What is written.
     pub place: Place,

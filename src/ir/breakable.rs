@@ -7,7 +7,7 @@ use super::{Id, IdVec, Space, SpaceId, TagSet, TileId};
 
 /// That a tile can be broken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Breakable {
     /// The number of steps after which it is back; none if it stays broken.
     pub restore: Option<u16>,

@@ -18,7 +18,7 @@ macro_rules! ids {
     ($($name:ident $prefix:literal $doc:literal)*) => {$(
         #[doc = $doc]
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-        #[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+        #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
         pub struct $name(pub u32);
 
         impl Id for $name {
@@ -289,7 +289,7 @@ impl<'de, I, T: Deserialize<'de>> Deserialize<'de> for IdVec<I, T> {
     }
 }
 
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 mod schema {
     //! Ranges and tables, as JSON has them.
 

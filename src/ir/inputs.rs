@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// A whole number that is drawn anew in each step: uniformly, and independently of all others.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Chance {
     /// Its name.
     pub name: String,
@@ -14,7 +14,7 @@ pub struct Chance {
 
 /// Buttons, axes and chances.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Inputs {
     /// One bit for each button.
     pub buttons: u64,

@@ -16,7 +16,7 @@ pub const JSON_VERSION: u32 = 1;
 
 /// The contents of a file.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct ProgramFile<'p> {
     hypedc_program: u32,
     program: &'p Program,
@@ -76,7 +76,7 @@ impl Program {
     }
 
     /// What [`Program::write_json`] writes, as a schema (JSON Schema, draft 2020-12).
-    #[cfg(feature = "schemas")]
+    #[cfg(feature = "testing")]
     pub fn json_schema() -> serde_json::Value {
         use schemars::transform::{RecursiveTransform, Transform};
 

@@ -13,7 +13,7 @@ use super::{BreakableTiles, Entity, IdVec, PlayerId, Program, Slot, SlotId, Spac
 
 /// Byte offsets within a state.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Layout {
     /// The size of a state in bytes, a multiple of 8.
     pub size: usize,
@@ -29,7 +29,7 @@ pub struct Layout {
 /// Byte offsets of the tiles that can be broken, in the order of their numbers: those that come back first, then by
 /// space, kind and cell.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct TileLayout {
     /// Bits from the lowest: whether each tile is broken.
     pub broken: usize,
@@ -43,7 +43,7 @@ pub struct TileLayout {
 
 /// What is constant of an instance that never moves, and not in a state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Rest {
     /// The values of its continuous variables; their derivatives are 0.
     pub vars: IdVec<VarId, f64>,
@@ -53,7 +53,7 @@ pub struct Rest {
 
 /// Byte offsets of one slot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SlotLayout {
     /// The slot's block: from the first byte to before the second.
     pub block: (usize, usize),

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What repeats along an axis, px: all from `low` up to, but not including, `high`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Period {
     /// The lower border.
     pub low: f64,

@@ -15,7 +15,7 @@ use super::{
 
 /// A compiled program.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Program {
     /// All tags, in order of first use; at most 64.
     pub tags: IdVec<TagId, String>,
@@ -32,7 +32,7 @@ pub struct Program {
 
 /// A set of tags, one bit each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct TagSet(pub u64);
 
 impl TagSet {
@@ -70,7 +70,7 @@ impl FromIterator<TagId> for TagSet {
 /// An expression. Numbers are `f64`; a whole number or the index of a set's value is one, too.
 /// Guards are read as truth values; reading a truth value as a number gives 0 or 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Expr {
     /// A number; always finite.
@@ -181,7 +181,7 @@ pub enum Expr {
 
 /// One automaton with every name resolved and every group flattened.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Entity {
     /// Its name.
     pub name: Box<str>,
@@ -262,7 +262,7 @@ fn no_chances(chances: &RareVec<ChanceId, Chance>) -> bool {
 
 /// A parameter.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Param {
     /// Its name.
     pub name: String,
@@ -272,7 +272,7 @@ pub struct Param {
 
 /// A discrete variable.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Discrete {
     /// Its name.
     pub name: String,
@@ -286,7 +286,7 @@ pub struct Discrete {
 
 /// What a discrete variable's number stands for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Domain {
     /// Itself.
@@ -299,7 +299,7 @@ pub enum Domain {
 
 /// A reference to another instance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Reference {
     /// Its name.
     pub name: String,
@@ -309,7 +309,7 @@ pub struct Reference {
 
 /// A soft bound, applied in the continuous phase: to a velocity before it moves the position, to a position after.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Clamp {
     /// The variable.
     pub var: VarId,
@@ -323,7 +323,7 @@ pub struct Clamp {
 
 /// The shape of a collider relative to the position, px; read at the start of the collision phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// x and y of the lower-left corner, width, height.
@@ -375,7 +375,7 @@ impl Shape {
 
 /// A collider.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Collider {
     /// What it counts as.
     pub tags: TagSet,
@@ -389,7 +389,7 @@ pub struct Collider {
 
 /// A group of modes, one of whose leaves is active.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Group {
     /// Its name; none for the anonymous one.
     pub name: Option<String>,
@@ -403,7 +403,7 @@ pub struct Group {
 
 /// A mode that is the initial one where its guard holds; the guard reads parameters only.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Choice {
     /// When it is.
     pub guard: ExprId,
@@ -413,7 +413,7 @@ pub struct Choice {
 
 /// A mode.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Mode {
     /// Its full path: `movement.air.rising`.
     pub path: String,
@@ -439,7 +439,7 @@ pub struct Mode {
 
 /// An edge.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Edge {
     /// The mode that holds it.
     pub source: ModeId,
@@ -455,7 +455,7 @@ pub struct Edge {
 
 /// `follow links`: the instance goes where a link leads.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Follow {
     /// When; always if none.
     pub guard: Option<ExprId>,
@@ -467,7 +467,7 @@ pub struct Follow {
 
 /// What drives a variable during the continuous phase.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Drive {
     /// No flow: the last acceleration stays in force.
@@ -487,7 +487,7 @@ pub enum Drive {
 
 /// An envelope: while driven, towards the direction times `sustain`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Envelope {
     /// The mode that holds it; none at the entity's own level.
     pub mode: Option<ModeId>,
@@ -513,7 +513,7 @@ pub struct Envelope {
 
 /// What drives an envelope.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum By {
     /// A button: while it is down.
@@ -539,7 +539,7 @@ pub enum By {
 
 /// How an envelope ends.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Release {
     /// It stays.
@@ -555,7 +555,7 @@ pub enum Release {
 
 /// A mode without modes inside, resolved: what is active and what to try while it is.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Leaf {
     /// The mode.
     pub mode: ModeId,
@@ -575,7 +575,7 @@ pub struct Leaf {
 
 /// A contact query: a collider of one's own tagged with one of `mine`, something tagged `other`, on a side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Touch {
     /// Tags of one's own collider.
     pub mine: TagSet,
@@ -592,7 +592,7 @@ pub struct Touch {
 
 /// A mode whose time is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Timer {
     /// The mode.
     pub mode: ModeId,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// The line from the left to the right side of a tile below which the tile is solid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Slope {
     /// Its height at the left side of the tile, above the lower edge, px.
     pub left: f64,

@@ -11,7 +11,7 @@ use crate::source::{FileId, Span};
 
 /// Where the entries of the tables come from.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Spans {
     /// Of each tag: its first use.
     pub tags: IdVec<TagId, Span>,
@@ -80,7 +80,7 @@ impl Spans {
 
 /// Where an entity's entries come from; a leaf and a timer come from their modes.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct EntitySpans {
     /// The entity's name.
     pub name: Span,
@@ -125,7 +125,7 @@ fn no_chances(chances: &RareVec<ChanceId, Span>) -> bool {
 
 /// Where a world's entries come from.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct WorldSpans {
     /// The world's name.
     pub name: Span,

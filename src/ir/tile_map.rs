@@ -6,7 +6,7 @@ use super::{Breakable, Slope};
 
 /// A grid of tiles. Column 0 is the leftmost, row 0 the lowest; its lower-left corner is the space's origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct TileMap<T> {
     /// The number of columns.
     pub columns: usize,
@@ -22,7 +22,7 @@ pub struct TileMap<T> {
 
 /// A kind of tile.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct TileKind<T> {
     /// Its character in the text.
     pub symbol: char,

@@ -12,7 +12,7 @@ use super::{
 
 /// A world, ready to run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct World {
     /// Its name.
     pub name: String,
@@ -41,7 +41,7 @@ pub struct World {
 
 /// At most `count` instances of an entity are alive at once, whatever the origin of their slots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Limit {
     /// The entity.
     pub entity: EntityId,
@@ -51,7 +51,7 @@ pub struct Limit {
 
 /// The length of a step as a fraction in lowest terms, s.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Step {
     /// Numerator, more than 0.
     pub numerator: u64,
@@ -78,7 +78,7 @@ impl Step {
 
 /// A room.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Space {
     /// Its name.
     pub name: String,
@@ -119,7 +119,7 @@ impl Space {
 
 /// A way into another space: from a place to the same place relative to another rectangle.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Link {
     /// Where it begins.
     pub from: Bounds,
@@ -133,7 +133,7 @@ pub struct Link {
 
 /// Free-standing static geometry.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Solid {
     /// What it counts as.
     pub tags: TagSet,
@@ -143,7 +143,7 @@ pub struct Solid {
 
 /// A rectangle, px.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Bounds {
     /// Its least x.
     pub left: f64,
@@ -180,7 +180,7 @@ impl Bounds {
 
 /// A place for an instance, with the instance's first values.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Slot {
     /// The instance's name.
     pub name: String,
@@ -208,7 +208,7 @@ pub struct Slot {
 
 /// A player.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Player {
     /// The number as written.
     pub number: u32,
@@ -218,7 +218,7 @@ pub struct Player {
 
 /// Colliders with a tag of `left` and one with a tag of `right` meet.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Collide {
     /// The one side.
     pub left: TagSet,
@@ -230,7 +230,7 @@ pub struct Collide {
 
 /// A `goal` or a `never`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Predicate {
     /// Its name.
     pub name: String,

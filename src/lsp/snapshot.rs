@@ -70,9 +70,13 @@ impl Snapshot {
     pub fn compile(root: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace) -> Self {
         let files = Overlay { open, disk, requested: RefCell::default() };
         let ide = compile_for_ide(root, &files);
+        Snapshot::new(root, open, ide, files.requested.into_inner())
+    }
+
+    /// A program that was compiled from `dependencies`.
+    pub fn new(root: &Path, open: &Arc<OpenDocuments>, ide: IdeCompilation, dependencies: BTreeSet<PathBuf>) -> Self {
         let paths: Vec<PathBuf> = ide.compilation.sources.iter().map(|(_, file)| normalize(&file.path)).collect();
         let texts = paths.iter().map(|_| OnceLock::new()).collect();
-        let dependencies = files.requested.into_inner();
         Snapshot { root: root.to_path_buf(), ide, dependencies, open: Arc::clone(open), paths, texts }
     }
 

@@ -16,7 +16,7 @@ const POLLS: u32 = 1_000;
 
 /// The luck that a path needs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Luck {
     /// How probable it is that nature draws so that the inputs lead along this path: uniform draws, independent of each
     /// other.

@@ -46,6 +46,6 @@ pub use run::Run;
 pub use saved::{NotAState, State};
 pub use script::{Script, ScriptStep, parse_script};
 pub use simulator::{Scratch, Simulator};
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(crate) use trace::trace_schemas;
 pub use trace::{TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter, first_difference};

@@ -31,7 +31,7 @@ pub enum TraceFormat {
 
 /// What a run depends on: with the files it can be run again.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct TraceHeader {
     /// [`TRACE_VERSION`].
     pub trace: u32,
@@ -90,32 +90,32 @@ pub struct TraceLines<'s> {
 
 /// A state in a trace.
 #[derive(serde::Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Line<'a> {
     /// The step; 0 is the initial state.
     step: u64,
     /// What is held in this step, and what nature drew of what the step has read.
     inputs: Vec<String>,
     /// The instances that exist, by name.
-    #[cfg_attr(feature = "schemas", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]
+    #[cfg_attr(feature = "testing", schemars(with = "std::collections::BTreeMap<String, InstanceSchema>"))]
     instances: Instances<'a>,
     /// The tiles that are broken, by space, then row, then column.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schemas", schemars(default))]
+    #[cfg_attr(feature = "testing", schemars(default))]
     broken: Vec<BrokenTile<'a>>,
     /// The goals that hold.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schemas", schemars(default))]
+    #[cfg_attr(feature = "testing", schemars(default))]
     goals: Vec<&'a str>,
     /// Each `never` that holds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schemas", schemars(default))]
+    #[cfg_attr(feature = "testing", schemars(default))]
     never: Vec<&'a str>,
 }
 
 /// A broken tile in a state; column 0 is the leftmost, row 0 the lowest.
 #[derive(serde::Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct BrokenTile<'a> {
     /// The space.
     space: &'a str,
@@ -127,7 +127,7 @@ struct BrokenTile<'a> {
 
 /// An instance in a state. Beside these fields it has one for each variable: a continuous variable is its position,
 /// velocity and acceleration, a discrete one its value, a reference a name or null.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 #[derive(schemars::JsonSchema)]
 #[allow(dead_code, reason = "it describes what `Instance` writes")]
 struct InstanceSchema {
@@ -144,7 +144,7 @@ struct InstanceSchema {
 }
 
 /// A value of a variable.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
 #[allow(dead_code, reason = "it describes what `Instance` writes")]
@@ -160,7 +160,7 @@ enum VariableSchema {
 }
 
 /// The schemas of the lines of a trace as JSON lines: the header, and a state.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(crate) fn trace_schemas() -> [schemars::Schema; 2] {
     [schemars::schema_for!(TraceHeader), schemars::schema_for!(Line<'_>)]
 }

@@ -46,7 +46,7 @@ const _: () = assert!(MAX_FILE_BYTES <= MAX_PACKED);
 /// A range of bytes in one file, end exclusive.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(from = "SpanFields", into = "SpanFields")]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Span {
     /// The file in the upper half, then the upper 16 bits of the start.
     upper: u32,
@@ -59,7 +59,7 @@ const _: () = assert!(size_of::<Span>() == 8);
 /// A range of bytes in one file, end exclusive.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Span")]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct SpanFields {
     /// The file it lies in.
     file: FileId,

@@ -148,3 +148,8 @@ pub fn declares(code: &str, words: &[&str], name: &str) -> bool {
         })
     })
 }
+
+/// Whether to run the long version of tests with many random programs.
+pub fn is_long() -> bool {
+    std::env::var_os("HYPEDC_LONG").is_some()
+}

@@ -27,7 +27,7 @@ const RESULT_VERSION: u32 = 1;
 /// How many numbers a state has: three for each continuous variable (it and two derivatives), one for each discrete
 /// variable and each timer, one for each group of modes that has several.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct Dimensions {
     /// As the program is written.
     pub all: usize,
@@ -164,7 +164,7 @@ fn borders(of: &WorldBounds<'_>) -> Vec<Border> {
 
 /// What each part of a world can be.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct BoundsResult<'a> {
     /// The version of this format.
     version: u32,
@@ -186,7 +186,7 @@ struct BoundsResult<'a> {
 
 /// A place for an instance.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct SlotResult<'a> {
     /// Its name.
     slot: &'a str,
@@ -204,7 +204,7 @@ struct SlotResult<'a> {
 
 /// A combination of modes, and what the instance can be in it.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Combination<'a> {
     /// The innermost mode of each group.
     modes: Vec<&'a str>,
@@ -223,7 +223,7 @@ type Intervals = Vec<[Option<f64>; 2]>;
 
 /// What a continuous variable can be, as closed intervals; null for an end that is infinite.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct VariableResult<'a> {
     name: &'a str,
     value: Intervals,
@@ -233,7 +233,7 @@ struct VariableResult<'a> {
 
 /// What a discrete variable can be, as closed intervals.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct DiscreteResult<'a> {
     name: &'a str,
     value: Intervals,
@@ -241,7 +241,7 @@ struct DiscreteResult<'a> {
 
 /// How long a mode can have been active, in steps.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct TimerResult<'a> {
     mode: &'a str,
     steps: Intervals,
@@ -249,7 +249,7 @@ struct TimerResult<'a> {
 
 /// What is known of a goal.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct GoalResult<'a> {
     goal: &'a str,
     /// `not ruled out` or `proven-unreachable`.
@@ -259,14 +259,14 @@ struct GoalResult<'a> {
 }
 
 /// The schema of the JSON result.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(super) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(BoundsResult<'_>)
 }
 
 /// Where runs end because of a player in a space.
 #[derive(Debug, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Border {
     player: String,
     space: String,
@@ -276,7 +276,7 @@ struct Border {
 
 /// Below and beside these numbers, px, a run ends.
 #[derive(Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct End {
     left: f64,
     right: f64,

@@ -284,7 +284,7 @@ struct Presentation<'t> {
 
 /// The answers about many levels.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct JsonResult<'t> {
     /// The version of this format.
     version: u32,
@@ -303,7 +303,7 @@ struct JsonResult<'t> {
 }
 
 /// The schema of the answers about many levels.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(super) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(JsonResult<'_>)
 }

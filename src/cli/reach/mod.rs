@@ -8,7 +8,7 @@ pub(in crate::cli) mod refuted;
 mod result;
 mod text;
 
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(in crate::cli) use result::json_schema;
 
 use std::io::{self, Write};
@@ -167,83 +167,30 @@ impl Supervisor for Phases<'_> {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use std::fs::{create_dir_all, read_dir, read_to_string, remove_dir_all, write};
-
-    use clap::Parser;
-
-    use super::*;
-    use crate::analysis::configuration_space;
-    use crate::cli::args::{Arguments, Command};
-    use crate::ir::GoalId;
-    use crate::reach::Conclusion;
-
-    fn source(speed: u32) -> String {
-        format!(
-            "entity Walker {{
-                button go
-                mode still {{ x' = 0; when held(go) -> moving }}
-                mode moving {{ x' = {speed} }}
-            }}
-            world Field {{
-                space main {{ place walker: Walker at (0, 0) }}
-                player 1: walker
-                goal fast: walker.x' > 50
-                goal far: walker.x > 40
-            }}\n"
-        )
-    }
-
-    /// The analysis of a slower world simulates a wrong analysis.
-    #[test]
-    fn a_wrong_analysis_is_told_kept_and_fails_the_command() {
-        let folder = std::env::temp_dir().join(format!("hypedc-refuted-{}", std::process::id()));
-        create_dir_all(&folder).unwrap();
-        let (slow, fast) = (folder.join("slow.hyped"), folder.join("fast.hyped"));
-        write(&slow, source(30)).unwrap();
-        write(&fast, source(60)).unwrap();
-        let answer = |file: &std::path::Path, more: &[&str]| {
-            let file = file.to_str().unwrap();
-            let arguments = ["hypedc", "reach", file, "--nodes", "500"].into_iter().chain(more.iter().copied());
-            let Command::Reach(args) = Arguments::try_parse_from(arguments).unwrap().command else { panic!() };
-            let level = || args.reading.of(None);
-            let slow = load_constrained(&slow, level(), None).unwrap().unwrap();
-            let world = WorldId(0);
-            let space = configuration_space(&slow.program, world);
-            let mut loaded = load_constrained(&args.file, level(), None).unwrap().unwrap();
-            let query = query(&args, &mut loaded, world).unwrap_or_else(|_| panic!());
-            let session = Session::with_space(&loaded.program, world, query, space);
-            let exit = answer_all(&args, &loaded, world, &session, 0.0).unwrap();
-            let mut first = session.find(Target::Goal(GoalId(0)), &crate::watch::Unwatched).unwrap();
-            let answer = session.answer(&mut first, &loaded.sources);
-            let text = answer_text(&answer, session.query(), &Saved::default(), 0.0);
-            (exit, answer.verdict, text)
-        };
-        let written = || {
-            let names = read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-            let mut names: Vec<String> = names.filter(|name| name.ends_with(".txt")).collect();
-            names.sort();
-            names
-        };
-
-        let (code, verdict, _) = answer(&slow, &[]);
-        assert_eq!((code, verdict), (Exit::No, Conclusion::ProvenUnreachable));
-        assert!(written().is_empty(), "of itself, it is right");
-
-        let (code, verdict, text) = answer(&fast, &[]);
-        assert_eq!((code, verdict), (Exit::No, Conclusion::NotAnswered));
-        assert!(text.contains("the analysis is wrong about this world"));
-        // The answer is the expected one, but the analysis is refuted.
-        assert_eq!(answer(&fast, &["--goal", "far", "--seed", "7"]).0, Exit::No);
-        assert_eq!(answer(&fast, &["--goal", "far", "--no-check-states"]).0, Exit::Yes);
-        assert_eq!(answer(&fast, &["--goal", "far", "--format", "json"]).0, Exit::No);
-        let first = "hypedc-refuted-Field-1.txt";
-        assert_eq!(written(), ["hypedc-refuted-Field-1-2.txt", first, "hypedc-refuted-Field-7.txt"]);
-        let text = read_to_string(folder.join(first)).unwrap();
-        for part in ["walker in moving: x' is 60, allowed is 30", "inputs   go", "world    Field", "seed     1"] {
-            assert!(text.contains(part), "{part} in {text}");
-        }
-        remove_dir_all(&folder).unwrap();
-    }
+/// Answers the arguments of `hypedc reach` by the analysis of the same world in another file: the tests give a wrong one.
+/// Returns whether the exit status is 0, and the verdict and the text of the first goal.
+///
+/// # Errors
+/// As writing to the standard output.
+#[cfg(feature = "testing")]
+pub fn answer_by_analysis_of(
+    file: &std::path::Path,
+    args: &ReachArgs,
+) -> io::Result<Option<(bool, crate::reach::Conclusion, String)>> {
+    let (level, world) = (|| args.reading.of(None), WorldId(0));
+    let (Some(analysed), Some(mut loaded)) =
+        (load_constrained(file, level(), None)?, load_constrained(&args.file, level(), None)?)
+    else {
+        return Ok(None);
+    };
+    let space = crate::analysis::configuration_space(&analysed.program, world);
+    let Ok(query) = query(args, &mut loaded, world) else { return Ok(None) };
+    let session = Session::with_space(&loaded.program, world, query, space);
+    let exit = answer_all(args, &loaded, world, &session, 0.0)?;
+    let Ok(mut first) = session.find(Target::Goal(crate::ir::GoalId(0)), &crate::watch::Unwatched) else {
+        return Ok(None);
+    };
+    let answer = session.answer(&mut first, &loaded.sources);
+    let text = answer_text(&answer, session.query(), &Saved::default(), 0.0);
+    Ok(Some((exit == Exit::Yes, answer.verdict, text)))
 }

@@ -18,7 +18,7 @@ const MAX_FILES: usize = 10_000;
 
 /// A run that refutes the analysis, as results have it.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct Refuted {
     pub instance: String,
     pub modes: Vec<String>,
@@ -33,7 +33,7 @@ pub(in crate::cli) struct Refuted {
 
 /// A number that is as it never is.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct BeyondResult {
     pub variable: String,
     pub value: String,

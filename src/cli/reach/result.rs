@@ -19,7 +19,7 @@ const RESULT_VERSION: u32 = 6;
 
 /// All answers of one run of the command.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub(in crate::cli) struct RunResult {
     /// The version of this format.
     version: u32,
@@ -44,7 +44,7 @@ pub(in crate::cli) struct RunResult {
 
 /// One answer, with what depends on the machine and what is large.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct GoalResult {
     #[serde(flatten)]
     answer: Answer,
@@ -57,7 +57,7 @@ struct GoalResult {
 }
 
 /// The schema of the result.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(in crate::cli) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(RunResult)
 }

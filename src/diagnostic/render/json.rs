@@ -12,7 +12,7 @@ const VERSION: u32 = 1;
 
 /// The findings of a run of `hypedc check`.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Run {
     /// The version of this format.
     version: u32,
@@ -26,7 +26,7 @@ struct Run {
 
 /// A program that was checked.
 #[derive(Serialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Program {
     /// Its path.
     file: String,
@@ -37,7 +37,7 @@ struct Program {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Finding {
     /// The code, such as `E0302`.
     code: &'static str,
@@ -58,7 +58,7 @@ struct Finding {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Place {
     #[serde(flatten)]
     range: Range,
@@ -66,7 +66,7 @@ struct Place {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Range {
     file: String,
     bytes: Bytes,
@@ -75,28 +75,28 @@ struct Range {
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Bytes {
     start: u32,
     end: u32,
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Position {
     line: usize,
     column: usize,
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Mending {
     title: String,
     edits: Vec<Edit>,
 }
 
 #[derive(Serialize, PartialEq)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 struct Edit {
     #[serde(flatten)]
     range: Range,
@@ -122,7 +122,7 @@ pub fn json(run: &[Found<'_>]) -> Result<String, serde_json::Error> {
 }
 
 /// The schema of what [`json`] renders.
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(crate) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(Run)
 }

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "cli")]
 pub use human::human;
 pub use json::json;
-#[cfg(feature = "schemas")]
+#[cfg(feature = "testing")]
 pub(crate) use json::json_schema;
 pub use page::{page, word};
 #[cfg(feature = "cli")]

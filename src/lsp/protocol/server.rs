@@ -22,7 +22,7 @@ use super::from_protocol::{changes, folders};
 use super::requests::{self, Needs};
 use super::tokens::SentTokens;
 use super::uri::path_of;
-use super::worker::{Event, Job, Worker};
+use super::worker::{Event, Job, Stages, Worker};
 use crate::lsp::Workspace;
 use crate::lsp::documents::Documents;
 use crate::lsp::view::{ProgramState, View};
@@ -93,6 +93,7 @@ impl Server {
             jobs: job_receiver,
             events: event_sender,
             disk: Arc::clone(&disk),
+            stages: Stages::ALL,
             debounce: settings.debounce,
         };
         let thread = std::thread::spawn(move || worker.run());

@@ -50,7 +50,30 @@ pub(in crate::lsp) enum Event {
     /// The compilation or the analysis of a program panicked, with a message.
     Failed(PathBuf, String),
     /// The result of the value analysis of a snapshot. Without ranges if the program has errors.
-    Analyzed(Arc<Snapshot>, Box<(Diagnostics, Option<Ranges>)>),
+    Analyzed(Arc<Snapshot>, Box<Analyzed>),
+}
+
+/// Findings of the value analysis, and ranges of values if there is a program.
+type Analyzed = (Diagnostics, Option<Ranges>);
+
+/// What the worker runs for each program; tests of the worker run less than the compiler.
+pub(in crate::lsp) struct Stages {
+    pub compile: fn(&Path, &Arc<OpenDocuments>, &dyn Workspace) -> Snapshot,
+    /// `None` without a program, or if the watch stopped it.
+    pub analyze: fn(&Snapshot, &dyn Watch) -> Option<Box<Analyzed>>,
+}
+
+impl Stages {
+    /// The compiler and the value analysis.
+    pub const ALL: Stages = Stages { compile: Snapshot::compile, analyze };
+}
+
+fn analyze(snapshot: &Snapshot, watch: &dyn Watch) -> Option<Box<Analyzed>> {
+    let compilation = &snapshot.ide.compilation;
+    let program = compilation.program.as_ref()?;
+    let (sources, reported) = (&compilation.sources, &compilation.diagnostics);
+    let (found, spaces) = watched_findings(program, sources, FileId(0), reported, watch)?;
+    Some(Box::new((found, Some(Ranges::of(program, &spaces)))))
 }
 
 /// Interrupts the analysis when there is a newer job, or when the server has ended.
@@ -66,6 +89,7 @@ pub(in crate::lsp) struct Worker {
     pub jobs: Receiver<Job>,
     pub events: Sender<Event>,
     pub disk: Arc<dyn Workspace>,
+    pub stages: Stages,
     /// Set when the server has ended.
     pub has_ended: Arc<AtomicBool>,
     /// The time without changes after which the value analysis starts.
@@ -187,7 +211,7 @@ impl Worker {
         job: &Job,
         before: Option<Arc<Snapshot>>,
     ) -> Option<Option<(PathBuf, Arc<Snapshot>)>> {
-        let compile = || Snapshot::compile(path, &job.open, &*self.disk);
+        let compile = || (self.stages.compile)(path, &job.open, &*self.disk);
         let snapshot = match catch_unwind(AssertUnwindSafe(compile)) {
             Ok(snapshot) => {
                 let snapshot = Arc::new(snapshot);
@@ -206,19 +230,7 @@ impl Worker {
     fn analyze(&self, programs: &mut Programs) -> Option<()> {
         while let Some(path) = programs.unanalyzed.first().cloned() {
             if let Some(snapshot) = programs.current.get(&path) {
-                let compilation = &snapshot.ide.compilation;
-                let analyze = || {
-                    let program = compilation.program.as_ref()?;
-                    let (sources, reported) = (&compilation.sources, &compilation.diagnostics);
-                    let (found, spaces) = watched_findings(
-                        program,
-                        sources,
-                        FileId(0),
-                        reported,
-                        &NewerJob(&self.jobs, &self.has_ended),
-                    )?;
-                    Some(Box::new((found, Some(Ranges::of(program, &spaces)))))
-                };
+                let analyze = || (self.stages.analyze)(snapshot, &NewerJob(&self.jobs, &self.has_ended));
                 let found = match catch_unwind(AssertUnwindSafe(analyze)) {
                     Ok(found) => found,
                     Err(panic) => {
@@ -252,7 +264,9 @@ mod tests {
     use crossbeam_channel::unbounded;
 
     use super::*;
-    use crate::source::{Files, ReadError};
+    use crate::compile::{Compilation, IdeCompilation};
+    use crate::sema::checked::Checked;
+    use crate::source::{Files, ReadError, SourceMap};
 
     /// A folder with three programs of which one is deleted while the first is read for the second time.
     struct Folder {
@@ -282,6 +296,15 @@ mod tests {
         }
     }
 
+    /// Reads the file.
+    fn compile(path: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace) -> Snapshot {
+        disk.read(path).unwrap();
+        let (sources, diagnostics) = (SourceMap::new(), Diagnostics::default());
+        let compilation = Compilation { sources, program: None, diagnostics };
+        let ide = IdeCompilation { compilation, checked: Checked::default(), occurrences: Vec::new() };
+        Snapshot::new(path, open, ide, [path.to_path_buf()].into())
+    }
+
     fn job(revision: u64, changed: &[PathBuf]) -> Job {
         let (open, folders) = (Arc::default(), Arc::new(vec![PathBuf::from("/folder")]));
         Job { revision, open, folders, rescan: true, changed: changed.iter().cloned().collect() }
@@ -299,7 +322,8 @@ mod tests {
             programs: Mutex::new(files.to_vec()),
         });
         let has_ended = Arc::default();
-        let worker = Worker { jobs, events, disk, has_ended, debounce: Duration::ZERO };
+        let stages = Stages { compile, analyze: |_, _| None };
+        let worker = Worker { jobs, events, disk, stages, has_ended, debounce: Duration::ZERO };
         std::thread::scope(|scope| {
             scope.spawn(|| worker.run());
             let is_done = |event: &Event| matches!(event, Event::Idle(1));

@@ -110,9 +110,8 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::diagnostic::words::{MEANINGS, Meaning, SIGNATURES};
+    use crate::diagnostic::words::{MEANINGS, SIGNATURES};
     use crate::sema::FUNCTIONS;
-    use crate::source::FileId;
     use crate::syntax::keywords;
 
     #[test]
@@ -128,28 +127,6 @@ mod tests {
         assert!(without.is_empty(), "no text for {without:?}");
         let unknown: Vec<&str> = MEANINGS.iter().map(|m| m.word).filter(|word| !all.contains(word)).collect();
         assert!(unknown.is_empty(), "no words of the grammar: {unknown:?}");
-    }
-
-    #[test]
-    fn examples_fit_the_grammar_and_hold_their_word() {
-        let around = [
-            "|",
-            "entity A { | }",
-            "entity A { mode m { | } }",
-            "entity A { envelope x' by a { | } }",
-            "world W { | }",
-            "world W { space s { | } }",
-        ];
-        for Meaning { word, example, .. } in MEANINGS {
-            // Some lines of an example are alternatives, so that each is parsed alone.
-            let parts: Vec<&str> = if example.contains(['{', '"']) { vec![example] } else { example.lines().collect() };
-            for part in parts {
-                let fits = |outer: &&str| !crate::syntax::parse(FileId(0), &outer.replace('|', part)).1.has_errors();
-                assert!(around.iter().any(fits), "{word}: {part}");
-            }
-            let words: Vec<&str> = example.split(|c: char| !c.is_alphanumeric()).collect();
-            assert!(words.contains(word), "{word} is not in its example");
-        }
     }
 
     #[test]

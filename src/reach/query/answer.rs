@@ -16,7 +16,7 @@ use super::wording::{is_bounded, reasons};
 
 /// What kind of thing is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
     /// A way to a goal.
@@ -55,7 +55,7 @@ impl Target {
 
 /// How it was proven that there is no way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ProofMethod {
     /// It holds in no state that the analysis allows, however that state is reached.
@@ -82,7 +82,7 @@ impl ProofMethod {
 
 /// How much a search covered.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct CoverageSummary {
     /// The side of a place, px.
     pub place: f64,
@@ -116,7 +116,7 @@ impl CoverageSummary {
 
 /// Inputs that change only every few steps, all of which were tried. It says nothing about other inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct ExhaustedHold {
     /// For how many steps each input is held.
     pub hold: u16,
@@ -126,7 +126,7 @@ pub struct ExhaustedHold {
 
 /// The search window of a space, where branches ended because a player left it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SearchWindow {
     /// The space.
     pub space: String,
@@ -149,7 +149,7 @@ impl SearchWindow {
 
 /// A way to break a `never` that was met while something else was searched.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Counterexample {
     /// The name of the `never`.
     pub never: String,
@@ -164,7 +164,7 @@ pub struct Counterexample {
 
 /// The answer to one question.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Answer {
     /// What kind of thing is asked for.
     pub kind: Kind,

@@ -11,7 +11,7 @@ use hypedc::compile::check_with;
 use hypedc::parallel::{TaskContext, work};
 
 /// The bytes of a text.
-const SIZE: usize = 1 << 18;
+const SIZE: usize = 1 << 19;
 
 /// Lines until the text is long enough.
 fn lines(before: &str, after: &str, line: impl Fn(usize) -> String) -> String {

@@ -233,7 +233,7 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
         let space = configuration_space(&case.program, case.world);
         let hold = (case.answer == Answer::Fine).then_some((1, 1));
         let settings = Settings { hold, ..Settings::default() };
-        let outcome = reach(&problem, &space, &settings, &limits(60_000), &Unwatched).unwrap();
+        let outcome = reach(&problem, &space, &settings, &limits(30_000), &Unwatched).unwrap();
         agrees(case, &outcome, "auto");
         let is_reached = matches!(outcome.verdict, Verdict::Reached(_));
         let can_be = matches!(case.answer, Answer::Reachable | Answer::Fine);
@@ -293,7 +293,7 @@ fn hastens(
     settings: &Settings,
     plan: &Plan,
 ) {
-    let fast = improve_duration(problem, space, settings, &limits(500), plan, &Unwatched);
+    let fast = improve_duration(problem, space, settings, &limits(300), plan, &Unwatched);
     question.replay(&fast);
     assert!(fast.steps - fast.after < plan.steps - plan.after || fast == *plan, "{}", question.what);
 }
@@ -375,7 +375,7 @@ fn what_is_reported_of_the_examples_replays_and_repeats() {
             let settings = Settings { planner, seed, sampling, ..Settings::default() };
             // The analysis before a search does not depend on the planner.
             let ask = if planner == Planner::Auto { reach } else { grow };
-            let run = || ask(&problem, space, &settings, &limits(1_000), &Unwatched).unwrap();
+            let run = || ask(&problem, space, &settings, &limits(700), &Unwatched).unwrap();
             let outcome = run();
             if is_asked {
                 assert_eq!(outcome, run(), "{} {settings:?}", question.what);

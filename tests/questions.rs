@@ -253,7 +253,7 @@ fn too_little_time_is_proven_at_once() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: if is_long() { 2_000 } else { 80 }, ..ProptestConfig::default() })]
 
     /// Whatever a player does, it gets no farther than the bound.
     #[test]

@@ -396,7 +396,7 @@ fn what_is_reported_of_the_examples_replays_and_repeats() {
         }
     });
     let (goals, nevers) = counts.into_iter().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
-    assert!(goals > 60 && nevers > 12, "{goals} goals and {nevers} nevers reached");
+    assert!(goals > 40 && nevers > 12, "{goals} goals and {nevers} nevers reached");
 }
 
 /// Several trees have the same result on any number of threads.

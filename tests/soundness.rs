@@ -101,7 +101,7 @@ fn what_was_false_once_is_not_said_again() {
 #[test]
 fn every_construct_happens() {
     let mut tally = Tally::default();
-    for seed in seeds(1_500) {
+    for seed in seeds(2_000) {
         let text = program(&choices(seed), Frame::default());
         let compilation = compiled(&text);
         let Some(program) = &compilation.program else { continue };

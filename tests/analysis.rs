@@ -33,7 +33,7 @@ use run::{Run, run};
 
 #[test]
 fn no_random_state_lies_outside() {
-    let steps = if is_long() { 1_000_000 } else { 2_000 };
+    let steps = if is_long() { 1_000_000 } else { 1_000 };
     let (mut all, mut worlds, mut states) = (Vec::new(), 0, 0);
     for path in files("examples", "hyped").into_iter().chain(files("tests/conformance", "hyped")) {
         let program = compile(Path::new(&path), &Disk).program.unwrap();
@@ -108,7 +108,7 @@ fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> S
 
 #[test]
 fn no_state_of_a_lively_program_lies_outside() {
-    let tally = hold(if is_long() { 5_000 } else { 70 }, 200..700, generate::program);
+    let tally = hold(if is_long() { 5_000 } else { 60 }, 200..700, generate::program);
     // Otherwise the test is weak.
     assert!(tally.compiled * 100 >= tally.programs * 90, "{tally:?}");
     assert!(tally.given_up * 100 <= tally.slots * 5, "{tally:?}");
@@ -131,6 +131,6 @@ fn no_state_of_a_lively_program_lies_outside() {
 
 #[test]
 fn no_state_of_any_program_lies_outside() {
-    let tally = hold(if is_long() { 5_000 } else { 200 }, 0..400, any_program::program);
+    let tally = hold(if is_long() { 5_000 } else { 100 }, 0..400, any_program::program);
     assert!(tally.compiled * 100 >= tally.programs * 20, "{tally:?}");
 }

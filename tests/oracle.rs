@@ -124,7 +124,7 @@ fn tiny_worlds_have_the_same_states() {
 
 #[test]
 fn worlds_with_many_instances_that_never_move_have_the_same_states() {
-    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 10_000 } else { 150 });
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 10_000 } else { 100 });
     same_states(worlds, 80, lamps::program);
     let tally = RefCell::new(lamps::Tally::default());
     hold(worlds, lamps::program, |study, seed| {
@@ -152,7 +152,7 @@ fn any_worlds_have_the_same_states() {
 
 /// Judges many tiny worlds.
 fn true_verdicts(judge: Judge) -> Tally {
-    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 20_000 } else { 250 });
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 20_000 } else { 160 });
     let most = if is_long() { 3_000 } else { 600 };
     let tally = RefCell::new(Tally::default());
     hold(worlds, generate::program, |study, _| verdict::check(study, judge, most, &mut tally.borrow_mut()));

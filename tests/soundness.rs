@@ -77,7 +77,7 @@ fn holds(source: &Source, usual: u64, compiles: u64) {
 
 #[test]
 fn nothing_that_is_claimed_of_random_worlds_is_false() {
-    holds(&Source::Drawn, 400, 90);
+    holds(&Source::Drawn, 250, 90);
 }
 
 #[test]
@@ -176,7 +176,7 @@ fn names_of_guards_change_nothing() {
 fn possible_states_lead_to_possible_ones() {
     let mut hints: BTreeMap<String, (usize, String)> = BTreeMap::new();
     let (mut states, mut stepped) = (0, 0);
-    for seed in seeds(80) {
+    for seed in seeds(50) {
         let compilation = compiled(&program(&choices(seed), Frame::default()));
         let Some(program) = &compilation.program else { continue };
         let claims = Claims::of(&compilation, program, WorldId(0));

@@ -8,6 +8,8 @@ use crate::source::Span;
 
 use super::guard::{implied, truth};
 
+/// Maximum number of edges that are shown as doubtful.
+const MAX_DOUBTFUL: usize = 2;
 /// Maximum number of earlier edges that an edge is compared with.
 const MAX_COMPARED: usize = 64;
 
@@ -20,7 +22,8 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
         if !entered[mode] {
             // A mode inside an unreachable mode is explained by it.
             if m.parent.is_none_or(|around| entered[around]) {
-                found.report(UnreachableMode { path: m.path.join("."), at: m.name.span, first: first(entity, mode) });
+                let (first, doubtful) = (first(entity, mode), doubtful(entity, mode));
+                found.report(UnreachableMode { path: m.path.join("."), at: m.name.span, first, doubtful });
             }
             continue;
         }
@@ -164,6 +167,39 @@ fn entered(entity: &Entity) -> IdVec<ModeId, bool> {
         }
     }
     active
+}
+
+/// The edges beside a mode that nothing leads to which may have been meant to: those that stay where they are and change
+/// nothing, else those that lead to where another edge of the same mode leads. None if they are many.
+fn doubtful(entity: &Entity, mode: ModeId) -> Vec<(Span, String)> {
+    let beside = siblings(entity, mode);
+    if beside.len() > MAX_COMPARED {
+        return Vec::new();
+    }
+    let edges = beside.iter().flat_map(|m| &entity.modes[*m].edges).map(|&edge| &entity.edges[edge]);
+    let edges: Vec<&Edge> = edges.take(MAX_COMPARED + 1).collect();
+    if edges.len() > MAX_COMPARED {
+        return Vec::new();
+    }
+    let name = |mode: ModeId| &entity.modes[mode].name.text;
+    let stays = |edge: &&&Edge| edge.target == Some(edge.source) && edge.actions.is_empty();
+    let mut found: Vec<_> = edges
+        .iter()
+        .filter(stays)
+        .map(|edge| (edge.guard.span, format!("this edge leads back to its own mode, `{}`", name(edge.source))))
+        .collect();
+    if found.is_empty() {
+        let goes_alike = |edge: &&&Edge| {
+            let is_alike = |other: &Edge| other.target == edge.target && other.source == edge.source;
+            edge.target.is_some() && edges.iter().filter(|other| is_alike(other)).count() > 1
+        };
+        let alike = |edge: &&Edge| {
+            let label = |to| format!("two edges of `{}` lead to `{}`", name(edge.source), name(to));
+            edge.target.map(|to| (edge.guard.span, label(to)))
+        };
+        found = edges.iter().filter(goes_alike).filter_map(alike).collect();
+    }
+    if found.len() > MAX_DOUBTFUL { Vec::new() } else { found }
 }
 
 fn siblings(entity: &Entity, mode: ModeId) -> Vec<ModeId> {

@@ -18,6 +18,9 @@ use super::terms;
 /// Overlaps less deep than this are ignored, px.
 const TOLERANCE: f64 = 0.001;
 
+/// Maximum number of tags that nothing asks for which are shown.
+const MAX_UNASKED: usize = 2;
+
 /// A contact query: the tag of the entity's own collider, if given, and the other's.
 type ContactQuery = (Option<TagId>, TagId);
 
@@ -87,6 +90,10 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
     let last = last_tags(checked);
     let requested = requested(checked);
     let root = root_of(checked, root);
+    let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
+    let unasked: BTreeSet<TagId> = colliders.filter(|tag| !requested.contains(tag)).copied().collect();
+    let unasked = unasked.iter().map(|tag| &checked.tags[*tag]).map(|tag| (tag.text.to_string(), tag.span));
+    let unasked: Vec<(String, Span)> = unasked.take(MAX_UNASKED + 1).collect();
     for &tag in requested.difference(&carried) {
         let name = &checked.tags[tag];
         if checked.other_tags.contains(name.text.as_str()) {
@@ -111,7 +118,9 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
         named.extend(near.iter().map(|(near, _)| near.clone()));
         // An imported entity may refer to tags that this program does not use.
         if name.span.file() == root || near.is_some() {
-            found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near, elsewhere });
+            let is_shown = near.is_none() && unasked.len() <= MAX_UNASKED;
+            let unasked = if is_shown { unasked.clone() } else { Vec::new() };
+            found.report(UncarriedTag { tag: name.text.to_string(), at: name.span, near, elsewhere, unasked });
         }
     }
     named
@@ -232,6 +241,7 @@ pub(super) fn touches(checked: &Checked, found: &mut Diagnostics) {
                         tags,
                         world: (world.name.text.to_string(), world.name.span),
                         lines,
+                        before: world.body,
                     });
                 }
             }

@@ -24,6 +24,8 @@ pub struct World {
     pub times: Vec<Term>,
     /// `collide` lines in source order.
     pub collide: Vec<CollideRule>,
+    /// The name of the first set of tiles or space: `collide` lines are usually written before it.
+    pub body: Option<Span>,
     /// Its spaces.
     pub spaces: IdVec<SpaceId, Space>,
     /// Its placed instances.

@@ -41,6 +41,11 @@ impl Checker<'_> {
             lengths: Vec::new(),
             times: Vec::new(),
             collide: Vec::new(),
+            body: syntax.items.iter().find_map(|item| match item {
+                WorldItem::Tiles(tiles) => Some(tiles.name.span),
+                WorldItem::Space(space) => Some(space.name.span),
+                _ => None,
+            }),
             spaces: IdVec::new(),
             instances: IdVec::new(),
             limits: Vec::new(),

@@ -5,8 +5,8 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Program, Rest,
-    Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
+    ButtonId, CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Press,
+    Program, Rest, Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
 };
 
 /// The flow of a variable in a step: degree and value.
@@ -60,6 +60,8 @@ pub(super) struct Plan {
 pub(super) enum Guard {
     /// A contact query of the instance itself, and whether it must hold.
     Touching(TouchId, bool),
+    /// A button, and whether it must be so.
+    Button(Press, ButtonId, bool),
     /// A variable of the instance itself, or a derivative, compared with a constant.
     Compare(CompareOp, VarId, u8, f64),
     /// Any other expression.
@@ -70,8 +72,10 @@ impl Guard {
     fn new(id: ExprId, at: impl Fn(ExprId) -> Expr) -> Guard {
         match at(id) {
             Expr::Touching(Subject::Me, touch) => Guard::Touching(touch, true),
+            Expr::Button(press, button) => Guard::Button(press, button, true),
             Expr::Not(a) => match at(a) {
                 Expr::Touching(Subject::Me, touch) => Guard::Touching(touch, false),
+                Expr::Button(press, button) => Guard::Button(press, button, false),
                 _ => Guard::Expr(id),
             },
             Expr::Compare(op, a, b) => match (at(a), at(b)) {

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::ir::{Chance, ChanceId, Program, SlotId, World, WorldId};
 
+use super::actor::Actor;
 use super::input::{Frame, Input};
 use super::simulator::{Scratch, Simulator};
 
@@ -155,6 +156,12 @@ impl Frames {
     /// For some players and draws.
     pub fn new(players: usize, draws: usize) -> Self {
         Frames { players: vec![Frame::default(); players], drawn: vec![Drawn::default(); draws] }
+    }
+
+    /// The input of the player that controls an instance, if there is one.
+    #[inline(always)]
+    pub fn of(&self, actor: &Actor) -> Option<&Frame> {
+        actor.player.and_then(|player| self.players.get(player))
     }
 
     /// A draw by its number, which is then read.

@@ -6,9 +6,10 @@ use std::cell::Cell;
 
 use crate::ir::{
     Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Place, Send, SendId, SlotId, Transition, Update,
+    compare,
 };
 
-use super::actor::{Actor, Plan};
+use super::actor::{Actor, Guard, Plan};
 use super::chance::Frames;
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
@@ -71,7 +72,6 @@ impl Simulator {
         acting: &mut Vec<ActingGroup>,
         fault: &'a Cell<Option<Fault>>,
     ) {
-        let mut alone = Reader { frames, ..self.world_reader(state, fault) };
         for actor in actors {
             if !actor.layout.acts(state) {
                 continue;
@@ -79,13 +79,13 @@ impl Simulator {
             let (entity, slot) = (&*actor.entity, actor.id);
             if !actor.code.is_joint {
                 // No group depends on another.
-                alone.set_actor(actor);
+                let alone = || self.reader(actor, state, frames, &[], fault);
                 for group in actor.group_ids() {
                     let from = actor.layout.leaf(state, group);
                     let plan = &actor.code.plans[from];
-                    let edge = first_edge(&alone, plan);
+                    let edge = first_edge(actor, state, frames, plan, alone);
                     if edge.is_some() || plan.is_busy {
-                        let choice = edge.and_then(|edge| taken_edge(&alone, entity, group, from, edge));
+                        let choice = edge.and_then(|edge| taken_edge(&alone(), entity, group, from, edge));
                         acting.push(ActingGroup { slot, group, choice });
                     }
                 }
@@ -96,7 +96,7 @@ impl Simulator {
             for &group in &entity.order {
                 let reader = self.reader(actor, state, frames, &taken[own.clone()], fault);
                 let from = actor.layout.leaf(state, group);
-                let edge = first_edge(&reader, &actor.code.plans[from]);
+                let edge = first_edge(actor, state, frames, &actor.code.plans[from], || reader);
                 let choice = edge.and_then(|edge| taken_edge(&reader, entity, group, from, edge));
                 taken[own.start + group.index()] = choice;
             }
@@ -256,11 +256,25 @@ impl Simulator {
     }
 }
 
-/// The edge that a group takes: the first whose guard holds.
+/// The edge that a group takes: the first whose guard holds. Most guards need no reader.
 #[inline(always)]
-fn first_edge(reader: &Reader<'_>, plan: &Plan) -> Option<EdgeId> {
+fn first_edge<'a>(
+    actor: &Actor,
+    state: &[u8],
+    frames: &Frames,
+    plan: &Plan,
+    reader: impl Fn() -> Reader<'a>,
+) -> Option<EdgeId> {
     for &(guard, edge) in &plan.edges {
-        if reader.guard(guard) {
+        let holds = match guard {
+            Guard::Touching(touch, wanted) => actor.layout.touch(state, touch) == wanted,
+            Guard::Button(press, button, wanted) => {
+                frames.of(actor).is_some_and(|frame| frame.button(press, button)) == wanted
+            }
+            Guard::Compare(op, var, degree, n) => compare(op, actor.layout.moving_var(state, var, degree), n),
+            Guard::Expr(id) => reader().truth(id),
+        };
+        if holds {
             return Some(edge);
         }
     }

@@ -7,7 +7,7 @@ use crate::ir::{
     RefValue, SlotId, SlotLayout, Subject, TileId, arithmetic, call, compare,
 };
 
-use super::actor::{Actor, Guard};
+use super::actor::Actor;
 use super::chance::Frames;
 use super::discrete::TakenEdge;
 use super::fault::{Fault, FaultKind};
@@ -36,15 +36,6 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Switches to another instance and its code.
-    #[inline]
-    pub fn set_actor(&mut self, actor: &'a Actor) {
-        self.actor = Some(actor);
-        self.me = actor.id;
-        self.code = &actor.code.exprs;
-        self.base = actor.base;
-    }
-
     /// The instance of a subject, if there is one.
     #[inline]
     pub fn instance(&self, of: Subject) -> Option<SlotId> {
@@ -140,7 +131,7 @@ impl<'a> Reader<'a> {
 
     #[inline]
     fn frame(&self) -> Option<&Frame> {
-        self.actor.and_then(|a| a.player).and_then(|p| self.frames.players.get(p))
+        self.actor.and_then(|actor| self.frames.of(actor))
     }
 
     pub fn checked(&self, id: ExprId, value: f64, operands: [f64; 2]) -> f64 {
@@ -183,14 +174,7 @@ impl<'a> Reader<'a> {
 
     #[inline]
     pub fn button(&self, press: Press, button: ButtonId) -> bool {
-        self.frame().is_some_and(|f| {
-            let bits = match press {
-                Press::Pressed => f.pressed,
-                Press::Held => f.held,
-                Press::Released => f.released,
-            };
-            bits >> button.index() & 1 == 1
-        })
+        self.frame().is_some_and(|frame| frame.button(press, button))
     }
 
     /// The instance of a reference value.
@@ -272,16 +256,6 @@ impl<'a> Reader<'a> {
             | Expr::InSpace(..)
             | Expr::Nearest { .. }
             | Expr::Near { .. } => f64::from(u8::from(self.truth(id))),
-        }
-    }
-
-    /// Whether the guard of an edge holds.
-    #[inline(always)]
-    pub fn guard(&self, guard: Guard) -> bool {
-        match guard {
-            Guard::Touching(touch, wanted) => self.own_layout().touch(self.state, touch) == wanted,
-            Guard::Compare(op, var, degree, n) => compare(op, self.own_layout().moving_var(self.state, var, degree), n),
-            Guard::Expr(id) => self.truth(id),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The inputs of one step: for each player, the pressed buttons and the axes; of nature, what is drawn.
 
 use crate::ir::MAX_AXES;
-use crate::ir::{AxisId, ButtonId, Id, PlayerId};
+use crate::ir::{AxisId, ButtonId, Id, PlayerId, Press};
 
 use super::chance::Draws;
 use super::simulator::Simulator;
@@ -85,5 +85,16 @@ impl Frame {
     #[inline]
     pub fn new(now: PlayerInput, last: u64) -> Frame {
         Frame { held: now.buttons, pressed: now.buttons & !last, released: last & !now.buttons, axes: now.axes }
+    }
+
+    /// Whether a button is as asked.
+    #[inline]
+    pub fn button(&self, press: Press, button: ButtonId) -> bool {
+        let bits = match press {
+            Press::Pressed => self.pressed,
+            Press::Held => self.held,
+            Press::Released => self.released,
+        };
+        bits >> button.index() & 1 == 1
     }
 }

@@ -95,17 +95,20 @@ pub struct UnreachableMode {
     pub at: Span,
     /// The initial mode of its group (or of the mode around), and its place.
     pub first: Option<(String, Span)>,
+    /// Edges beside it that may have been meant to lead to it, each with where it leads.
+    pub doubtful: Vec<(Span, String)>,
 }
 
 impl Fact for UnreachableMode {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::UnreachableMode, format!("the mode `{}` can never be entered", self.path))
             .at(self.at, "no edge that can be taken leads here");
-        match self.first {
+        let d = match self.first {
             Some((name, span)) => d.and(span, format!("`{name}` is where it begins")),
             None => d,
-        }
-        .help("add an edge to it, or write `initial` before it")
+        };
+        let d = self.doubtful.into_iter().fold(d, |d, (span, leads)| d.and(span, leads));
+        d.help("add an edge to it, or write `initial` before it")
     }
 }
 
@@ -180,6 +183,8 @@ pub struct UncarriedTag {
     pub near: Option<(String, Span)>,
     /// What the word means elsewhere.
     pub elsewhere: Option<Elsewhere>,
+    /// The tags of colliders that nothing asks for, if they are few, each with its first place.
+    pub unasked: Vec<(String, Span)>,
 }
 
 /// What a word means that is no tag.
@@ -205,7 +210,11 @@ impl Fact for UncarriedTag {
             None => d,
         };
         let (help, meant) = match self.elsewhere {
-            None => return d,
+            None => {
+                let unasked = self.unasked.into_iter();
+                return unasked
+                    .fold(d, |d, (tag, at)| d.and(at, format!("nothing asks for `{tag}`, which stands here")));
+            }
             Some(Elsewhere::Side(side)) => {
                 ("the sides are `left`, `right`, `above` and `below`".to_string(), Some(side.to_string()))
             }
@@ -275,6 +284,8 @@ pub struct UnpairedTouch {
     pub world: (String, Span),
     /// Its `collide` lines that pair one of the tags with others, at most one for each tag.
     pub lines: Vec<Span>,
+    /// What a `collide` line would be written before.
+    pub before: Option<Span>,
 }
 
 impl Fact for UnpairedTouch {
@@ -285,7 +296,10 @@ impl Fact for UnpairedTouch {
         let message = format!("no `collide` line of `{world}` pairs {} with `{other}`", list(&quoted, "or"));
         let d = Diagnostic::new(Code::UnpairedTouch, message).at(self.at, "never holds");
         let d = match self.lines.as_slice() {
-            [] => d.and(span, "in this world"),
+            [] => match self.before {
+                Some(before) => d.and(span, "in this world").and(before, "the line may stand before this"),
+                None => d.and(span, "in this world"),
+            },
             lines => lines.iter().fold(d, |d, line| d.and(*line, "this pairs others")),
         };
         match mine.first() {

@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::soundness::poll_limit;
-use crate::support::{Disk, compile_text, files, is_long};
+use crate::support::{Disk, compile_text, files, sized};
 use hypedc::compile::compile;
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
@@ -33,7 +33,7 @@ use run::{Run, run};
 
 #[test]
 fn no_random_state_lies_outside() {
-    let steps = if is_long() { 1_000_000 } else { 1_000 };
+    let steps = sized(1_000, 1_000_000);
     let (mut all, mut worlds, mut states) = (Vec::new(), 0, 0);
     for path in files("examples", "hyped").into_iter().chain(files("tests/conformance", "hyped")) {
         let program = compile(Path::new(&path), &Disk).program.unwrap();
@@ -82,7 +82,7 @@ impl Tally {
 
 /// Runs random programs; shrinks and reports one with a state outside.
 fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> String) -> Tally {
-    let rng_seed = if is_long() { RngSeed::Random } else { RngSeed::Fixed(1) };
+    let rng_seed = sized(RngSeed::Fixed(1), RngSeed::Random);
     let config = ProptestConfig { cases: programs, failure_persistence: None, rng_seed, ..ProptestConfig::default() };
     let tally = RefCell::new(Tally::default());
     let choices = (prop::collection::vec(any::<u16>(), length), any::<u64>());
@@ -108,7 +108,7 @@ fn hold(programs: u32, length: std::ops::Range<usize>, generate: fn(&[u16]) -> S
 
 #[test]
 fn no_state_of_a_lively_program_lies_outside() {
-    let tally = hold(if is_long() { 5_000 } else { 60 }, 200..700, generate::program);
+    let tally = hold(sized(60, 5_000), 200..700, generate::program);
     // Otherwise the test is weak.
     assert!(tally.compiled * 100 >= tally.programs * 90, "{tally:?}");
     assert!(tally.given_up * 100 <= tally.slots * 5, "{tally:?}");
@@ -131,6 +131,6 @@ fn no_state_of_a_lively_program_lies_outside() {
 
 #[test]
 fn no_state_of_any_program_lies_outside() {
-    let tally = hold(if is_long() { 5_000 } else { 100 }, 0..400, any_program::program);
+    let tally = hold(sized(100, 5_000), 0..400, any_program::program);
     assert!(tally.compiled * 100 >= tally.programs * 20, "{tally:?}");
 }

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, files, is_long, stir};
+use crate::support::{Disk, compile_text, files, sized, stir};
 use hypedc::analysis::watched_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Expr, GoalId, Program, WorldId, verify};
@@ -126,9 +126,9 @@ fn numbers(value: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
 fn any_number_changed_is_refused_or_runs() {
     let mut programs = programs();
     // A level of thousands of tiles is mostly tiles.
-    let longest = if is_long() { 100_000 } else { 40_000 };
+    let longest = sized(40_000, 100_000);
     programs.retain(|(_, program, sources)| written(program, sources).len() < longest);
-    let times = if is_long() { 100_000 } else { 10_000 };
+    let times = sized(10_000, 100_000);
     let (mut refused, mut run) = (0, 0);
     let texts: Vec<(String, Value, usize)> = programs
         .iter()

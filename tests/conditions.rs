@@ -5,7 +5,7 @@
 
 use std::fmt::Write as _;
 
-use crate::support::{compile_text, program};
+use crate::support::{compile_text, program, sized};
 use hypedc::diagnostic::{Code, render};
 use hypedc::ir;
 
@@ -211,20 +211,22 @@ fn conditions_that_double_end_at_a_limit() {
 
 #[test]
 fn long_chains_of_conditions_end_at_a_limit() {
+    let length = sized(1_500, 3_000);
     for is_backwards in [false, true] {
         for (start, end) in [("", ""), ("not ", ""), (&*"(".repeat(60), &*")".repeat(60))] {
             let mut lines = vec!["condition c0 = y > 3".to_string()];
-            lines.extend((1..1_500).map(|i| format!("condition c{i} = {start}c{}{end}", i - 1)));
+            lines.extend((1..length).map(|i| format!("condition c{i} = {start}c{}{end}", i - 1)));
             if is_backwards {
                 lines.reverse();
             }
-            let text = format!("entity A {{\n{}\nmode m {{ when c1499 {{ y := 0 }} }}\n}}\n", lines.join("\n"));
+            let text =
+                format!("entity A {{\n{}\nmode m {{ when c{} {{ y := 0 }} }}\n}}\n", lines.join("\n"), length - 1);
             let (codes, shown) = findings(&text);
             assert!(!codes.is_empty() && codes.iter().all(|code| *code == Code::TooLarge), "{start}: {shown}");
         }
     }
     // A circle of the same length.
-    let lines: Vec<String> = (0..1_500).map(|i| format!("condition c{i} = c{}", (i + 1) % 1_500)).collect();
+    let lines: Vec<String> = (0..length).map(|i| format!("condition c{i} = c{}", (i + 1) % length)).collect();
     let (codes, _) = findings(&format!("entity A {{\n{}\n}}\n", lines.join("\n")));
     assert!(!codes.is_empty() && codes.iter().all(|code| *code == Code::TooLarge));
 }

@@ -7,7 +7,7 @@ mod generate;
 
 use std::path::Path;
 
-use crate::support::{Disk, files, is_long};
+use crate::support::{Disk, files, is_long, sized};
 use hypedc::compile::compile;
 use hypedc::format::{WIDTH, format};
 use hypedc::ir;
@@ -314,7 +314,7 @@ fn comments_and_breaks_may_stand_wherever_the_grammar_lets_them() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: if is_long() { 1_000 } else { 50 }, max_shrink_iters: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: sized(50, 1_000), max_shrink_iters: 40, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_programs_keep_their_meaning(

@@ -7,7 +7,7 @@ use std::fs::{create_dir_all, read_dir, read_to_string, remove_dir_all, write};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, files, program};
+use crate::support::{Disk, compile_text, files, program, script};
 use hypedc::analysis::{ConfigurationSpace, configuration_space};
 use hypedc::cli::answer_by_analysis_of;
 use hypedc::compile::compile;
@@ -16,8 +16,7 @@ use hypedc::reach::{
     Argument, Conclusion, Limits, Monitor, Outcome, Planner, Problem, Settings, Verdict, improve_duration, reach,
     search, shorten,
 };
-use hypedc::sim::{Script, Simulator, parse_script};
-use hypedc::source::SourceMap;
+use hypedc::sim::Simulator;
 use hypedc::watch::Unwatched;
 
 const WORLD: WorldId = WorldId(0);
@@ -52,9 +51,9 @@ fn nothing_that_a_search_makes_lies_outside() {
     assert!(checked > 5_000, "{checked} states were looked at");
 }
 
-/// Its player walks at a speed.
-fn walker(speed: u32) -> Arc<Program> {
-    program(compile_text(&format!(
+/// A program whose player walks at a speed.
+fn source(speed: u32) -> String {
+    format!(
         "entity Walker {{
             button go
             mode still {{ x' = 0; when held(go) -> moving }}
@@ -66,7 +65,11 @@ fn walker(speed: u32) -> Arc<Program> {
             goal fast: walker.x' > 50
             goal far: walker.x > 40
         }}\n"
-    )))
+    )
+}
+
+fn walker(speed: u32) -> Arc<Program> {
+    program(compile_text(&source(speed)))
 }
 
 /// A fast walker, with the configuration space of a slow one: a wrong analysis.
@@ -76,11 +79,6 @@ fn wrong() -> (Arc<Program>, ConfigurationSpace) {
 
 fn ask(problem: &Problem<'_>, space: &ConfigurationSpace, settings: &Settings) -> Outcome {
     reach(problem, space, settings, &limits(500), &Unwatched).unwrap()
-}
-
-fn script(program: &Program, text: &str) -> Script {
-    let file = SourceMap::new().add("inputs", text.to_string());
-    parse_script(program, WORLD, file, text).0
 }
 
 #[test]
@@ -166,22 +164,6 @@ fn who_searches_side_by_side_does_not_matter() {
         ask(&Problem::new(&sim, FAR), &space, &settings).refuted.unwrap()
     };
     assert_eq!(of(1), of(3));
-}
-
-fn source(speed: u32) -> String {
-    format!(
-        "entity Walker {{
-            button go
-            mode still {{ x' = 0; when held(go) -> moving }}
-            mode moving {{ x' = {speed} }}
-        }}
-        world Field {{
-            space main {{ place walker: Walker at (0, 0) }}
-            player 1: walker
-            goal fast: walker.x' > 50
-            goal far: walker.x > 40
-        }}\n"
-    )
 }
 
 /// The analysis of a slower world simulates a wrong analysis.

@@ -24,7 +24,7 @@ use std::cell::RefCell;
 use std::path::Path;
 
 use crate::analysis::{any_program, generate as lively};
-use crate::support::{Disk, Text, files, is_long};
+use crate::support::{Disk, Text, files, sized};
 use hypedc::compile::{IdeCompilation, compile_for_ide};
 use hypedc::ir::WorldId;
 use proptest::prelude::*;
@@ -44,7 +44,7 @@ fn study_text(text: &str) -> IdeCompilation {
 
 /// Generates a number of programs and checks them. One that fails is shrunk and reported.
 fn hold(worlds: u64, generate: fn(&[u16]) -> String, check: impl Fn(&IdeCompilation, u64) -> Result<(), String>) {
-    let seed = set("HYPEDC_SEED").unwrap_or(if is_long() { u64::from(std::process::id()) } else { 1 });
+    let seed = set("HYPEDC_SEED").unwrap_or(sized(1, u64::from(std::process::id())));
     println!("HYPEDC_SEED={seed}");
     let cases = worlds as u32;
     let config = ProptestConfig {
@@ -124,7 +124,7 @@ fn tiny_worlds_have_the_same_states() {
 
 #[test]
 fn worlds_with_many_instances_that_never_move_have_the_same_states() {
-    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 10_000 } else { 100 });
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(sized(100, 10_000));
     same_states(worlds, 80, lamps::program);
     let tally = RefCell::new(lamps::Tally::default());
     hold(worlds, lamps::program, |study, seed| {
@@ -142,18 +142,18 @@ fn worlds_with_many_instances_that_never_move_have_the_same_states() {
 
 #[test]
 fn lively_worlds_have_the_same_states() {
-    same_states(if is_long() { 5_000 } else { 60 }, 200, lively::program);
+    same_states(sized(60, 5_000), 200, lively::program);
 }
 
 #[test]
 fn any_worlds_have_the_same_states() {
-    same_states(if is_long() { 5_000 } else { 200 }, 100, any_program::program);
+    same_states(sized(200, 5_000), 100, any_program::program);
 }
 
 /// Judges many tiny worlds.
 fn true_verdicts(judge: Judge) -> Tally {
-    let worlds = set("HYPEDC_WORLDS").unwrap_or(if is_long() { 20_000 } else { 160 });
-    let most = if is_long() { 3_000 } else { 600 };
+    let worlds = set("HYPEDC_WORLDS").unwrap_or(sized(160, 20_000));
+    let most = sized(600, 3_000);
     let tally = RefCell::new(Tally::default());
     hold(worlds, generate::program, |study, _| verdict::check(study, judge, most, &mut tally.borrow_mut()));
     let tally = tally.into_inner();
@@ -190,7 +190,7 @@ fn states_are_the_same_to_the_bit() {
         let Some(program) = &study.compilation.program else { panic!("{} does not compile", path.display()) };
         for (world, table) in program.worlds.pairs().filter(|(_, w)| w.open.is_none()) {
             let mut rng = Pcg64::seed_from_u64(1);
-            let run = compare::run(program, &study.checked, world, if is_long() { 3_000 } else { 120 }, &mut rng);
+            let run = compare::run(program, &study.checked, world, sized(120, 3_000), &mut rng);
             worlds += 1;
             steps += run.steps;
             faults += usize::from(run.faulted);

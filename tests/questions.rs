@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::support::{Disk, files, is_long, program, script};
+use crate::support::{Disk, files, program, script, sized};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
@@ -253,7 +253,7 @@ fn too_little_time_is_proven_at_once() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: if is_long() { 2_000 } else { 80 }, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: sized(80, 2_000), ..ProptestConfig::default() })]
 
     /// Whatever a player does, it gets no farther than the bound.
     #[test]
@@ -431,7 +431,7 @@ fn a_goal_on_the_way_is_no_farther_than_there() {
         let goals = json["goals"].as_array().unwrap().iter();
         goals.map(|g| (g["steps"].as_u64().unwrap(), g["is_shortest"].as_bool())).collect()
     };
-    for seed in if is_long() { &["1", "2", "3"][..] } else { &["1"] } {
+    for seed in sized(&["1"][..], &["1", "2", "3"]) {
         for more in [&["--seed", seed][..], &["--seed", seed, "--minimize"]] {
             let found = goals(&[&["--planner", "rrt"], more].concat());
             assert!(found[0].0 < found[1].0, "{found:?}");

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, files, program};
+use crate::support::{Disk, compile_text, files, program, script};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, SlotId, VarId, WorldId};
@@ -14,8 +14,7 @@ use hypedc::reach::{
     Argument, Limits, Metric, Outcome, Plan, Planner, Point, Problem, Proof, Quantity, Sampling, Settings, Verdict,
     reach, search as grow,
 };
-use hypedc::sim::{Simulator, parse_script};
-use hypedc::source::SourceMap;
+use hypedc::sim::Simulator;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -42,9 +41,7 @@ fn search_in(program: &Arc<Program>, goal: u32, seed: u64, nodes: u64, sampling:
 /// Writes the script as text, reads it back, runs it: the goal holds at its end and not before, no `never` holds.
 fn replay(program: &Arc<Program>, goal: u32, plan: &Plan) {
     let text = plan.script.text(program, WORLD);
-    let file = SourceMap::new().add("inputs", text.clone());
-    let (script, found) = parse_script(program, WORLD, file, &text);
-    assert!(found.is_empty(), "{text}: {found:?}");
+    let script = script(program, &text);
     assert_eq!(script, plan.script, "{text}");
     let sim = Simulator::new(program, WORLD);
     let mut scratch = sim.scratch();

@@ -15,11 +15,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::support::script_of;
 use hypedc::compile::{Compilation, LevelFile, check_with};
 use hypedc::diagnostic::{Code, render};
 use hypedc::ir::{Program, WorldId};
-use hypedc::sim::{Simulator, parse_script};
-use hypedc::source::{Files, ReadError, SourceMap};
+use hypedc::sim::Simulator;
+use hypedc::source::{Files, ReadError};
 
 const PAGE: &str = "grammar/README.md";
 
@@ -221,10 +222,7 @@ fn compiled(text: &str, block: &Block, all: &[Block]) -> Compilation {
 
 /// Runs a world to the end of the inputs, or to where a player leaves the bounds; gives the code of the error that ended it early, if one did, and the claims that do not hold then.
 fn run(program: &Arc<Program>, world: WorldId, inputs: Option<&str>) -> (Option<Code>, Vec<String>) {
-    let script = inputs.unwrap_or("-*120");
-    let file = SourceMap::new().add("inputs", script);
-    let (script, found) = parse_script(program, world, file, script);
-    assert!(found.is_empty(), "{found:?}");
+    let script = script_of(program, world, inputs.unwrap_or("-*120"));
     let sim = Simulator::new(program, world);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();

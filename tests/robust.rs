@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use crate::support::{compile_text, files, is_long};
+use crate::support::{compile_text, files, sized};
 use hypedc::diagnostic::render;
 use hypedc::ir::WorldId;
 use hypedc::sim::{Input, Simulator};
@@ -98,7 +98,7 @@ fn edit() -> impl Strategy<Value = Edit> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: if is_long() { 20_000 } else { 500 }, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: sized(500, 20_000), ..ProptestConfig::default() })]
 
     #[test]
     fn edited_programs_get_an_answer(

@@ -2,10 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use crate::support::{compile_text, goals_after, program};
+use crate::support::{compile_text, goals_after, program, script};
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
-use hypedc::sim::{Input, Scratch, Simulator, State, parse_script};
-use hypedc::source::SourceMap;
+use hypedc::sim::{Input, Scratch, Simulator, State};
 use std::sync::Arc;
 
 /// A run of the first world of a program.
@@ -24,11 +23,8 @@ impl<'p> Run<'p> {
         Run { program, sim, scratch, state }
     }
 
-    fn step(&mut self, script: &str) {
-        let file = SourceMap::new().add("inputs", script);
-        let (script, found) = parse_script(self.program, WorldId(0), file, script);
-        assert!(found.is_empty(), "{found:?}");
-        for input in script.inputs() {
+    fn step(&mut self, inputs: &str) {
+        for input in script(self.program, inputs).inputs() {
             self.sim.step(&mut self.state, input, &mut self.scratch).unwrap();
         }
     }

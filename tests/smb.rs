@@ -6,13 +6,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::support::{Disk, assert_leads_to, is_long, program};
+use crate::support::{Disk, assert_leads_to, program, script, sized};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
-use hypedc::sim::{Simulator, parse_script};
-use hypedc::source::{Files, ReadError, SourceMap};
+use hypedc::sim::Simulator;
+use hypedc::source::{Files, ReadError};
 use hypedc::watch::Unwatched;
 
 const WORLD: WorldId = WorldId(0);
@@ -62,9 +62,7 @@ fn hero(program: &Program) -> SlotId {
 /// After each step of a script: where the hero is and how fast, and how many enemies are left.
 fn run(program: &Arc<Program>, inputs: &str) -> Vec<([f64; 2], [f64; 2], usize, bool)> {
     let sim = Simulator::new(program, WORLD);
-    let file = SourceMap::new().add("inputs", inputs.to_string());
-    let (script, found) = parse_script(program, WORLD, file, inputs);
-    assert!(found.is_empty(), "{inputs}");
+    let script = script(program, inputs);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
     let (world, hero) = (sim.world(), hero(program));
@@ -148,7 +146,7 @@ fn search(program: &Arc<Program>, seed: u64, nodes: u64) -> Verdict {
 fn real_levels_have_a_way_to_the_right_end() {
     for name in ["1-1", "1-2", "8-1"] {
         let program = level(&corpus(name));
-        for seed in if is_long() { 1..9 } else { 1..2 } {
+        for seed in sized(1..2, 1..9) {
             match search(&program, seed, 100_000) {
                 Verdict::Reached(plan) => assert_leads_to(&Simulator::new(&program, WORLD), &plan.script, GoalId(0)),
                 other => panic!("{name}, seed {seed}: {other:?}"),

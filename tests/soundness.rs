@@ -56,18 +56,18 @@ use run::{Inputs, Runs, run};
 use tally::Tally;
 
 /// The numbers of the worlds to test: a default range, or as set by the environment.
-fn seeds(usual: u64) -> std::ops::Range<u64> {
+fn seeds(usual: u64, long: u64) -> std::ops::Range<u64> {
     let number = |name: &str| std::env::var(name).ok().and_then(|v| v.parse().ok());
     if !is_long() {
         return 0..usual;
     }
     let from: u64 = number("HYPEDC_FROM").unwrap_or(0);
-    from..from + number("HYPEDC_WORLDS").unwrap_or(20 * usual)
+    from..from + number("HYPEDC_WORLDS").unwrap_or(long)
 }
 
 /// Tests worlds of a kind; almost all compile, and no claim is refuted.
-fn holds(source: &Source, usual: u64, compiles: u64) {
-    let hunt = hunt(source, seeds(usual));
+fn holds(source: &Source, (usual, long): (u64, u64), compiles: u64) {
+    let hunt = hunt(source, seeds(usual, long));
     let (worlds, compiled) = (hunt.worlds, hunt.compiled);
     println!("{worlds} worlds, {compiled} compile, {} claims, {} states: {:?}", hunt.claims, hunt.states, hunt.classes);
     println!("{} given up, {} told apart by place", hunt.given_up, hunt.by_place);
@@ -77,12 +77,12 @@ fn holds(source: &Source, usual: u64, compiles: u64) {
 
 #[test]
 fn nothing_that_is_claimed_of_random_worlds_is_false() {
-    holds(&Source::Drawn, 250, 90);
+    holds(&Source::Drawn, (250, 14_000), 90);
 }
 
 #[test]
 fn nothing_that_is_claimed_of_changed_worlds_is_false() {
-    holds(&Source::Changed(originals()), 1_500, 60);
+    holds(&Source::Changed(originals()), (1_500, 30_000), 60);
 }
 
 /// These programs once had a false verdict.
@@ -101,7 +101,7 @@ fn what_was_false_once_is_not_said_again() {
 #[test]
 fn every_construct_happens() {
     let mut tally = Tally::default();
-    for seed in seeds(2_000) {
+    for seed in seeds(2_000, 80_000) {
         let text = program(&choices(seed), Frame::default());
         let compilation = compiled(&text);
         let Some(program) = &compilation.program else { continue };
@@ -157,7 +157,7 @@ fn without_names(text: &str) -> (String, usize) {
 #[test]
 fn names_of_guards_change_nothing() {
     let (mut names, mut programs) = (0, 0);
-    for seed in seeds(300) {
+    for seed in seeds(300, 6_000) {
         let text = program(&choices(seed), Frame::default());
         let (written, count) = without_names(&text);
         let (named, written) = (compiled(&text), compiled(&written));
@@ -176,7 +176,7 @@ fn names_of_guards_change_nothing() {
 fn possible_states_lead_to_possible_ones() {
     let mut hints: BTreeMap<String, (usize, String)> = BTreeMap::new();
     let (mut states, mut stepped) = (0, 0);
-    for seed in seeds(50) {
+    for seed in seeds(50, 3_000) {
         let compilation = compiled(&program(&choices(seed), Frame::default()));
         let Some(program) = &compilation.program else { continue };
         let claims = Claims::of(&compilation, program, WorldId(0));
@@ -204,7 +204,7 @@ fn possible_states_lead_to_possible_ones() {
 #[test]
 fn the_same_world_written_otherwise_is_judged_alike() {
     let mut differ: BTreeMap<Otherwise, (usize, Vec<String>)> = BTreeMap::new();
-    for seed in seeds(80) {
+    for seed in seeds(80, 3_000) {
         let choices = choices(seed);
         let verdicts = |text: &str| {
             let compilation = compiled(text);

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, program};
+use crate::support::{Disk, compile_text, program, sized};
 use hypedc::compile::compile;
 use hypedc::ir::{Program, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
@@ -244,10 +244,11 @@ fn a_picture_without_a_search_shows_the_level() {
 
 #[test]
 fn many_nodes_make_a_small_picture() {
+    let nodes = sized(100_000, 300_000);
     for path in ["examples/paper/test1.hyped", "tests/maps/smb.hyped"] {
         let program = example(path);
-        let walk = walk(&program, 100_000);
-        assert_eq!(walk.nodes.len(), 100_000, "{path}");
+        let walk = walk(&program, nodes);
+        assert_eq!(walk.nodes.len(), nodes, "{path}");
         let svg = draw(&program, &walk, &[]);
         check(&svg);
         assert!(svg.len() < 1_000_000, "{path}: {} bytes", svg.len());

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, assert_leads_to, program};
+use crate::support::{Disk, assert_leads_to, program, script};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, check_with, compile};
 use hypedc::diagnostic::render;
@@ -15,7 +15,7 @@ use hypedc::format::format;
 use hypedc::import::{Import, zelda};
 use hypedc::ir::{GoalId, Program, SlotId, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
-use hypedc::sim::{Simulator, parse_script};
+use hypedc::sim::Simulator;
 use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
@@ -82,9 +82,7 @@ fn rooms_and_doors_are_those_of_the_game() {
 /// The rooms that a script leads through.
 fn walk(program: &Arc<Program>, inputs: &str) -> Vec<String> {
     let sim = Simulator::new(program, WORLD);
-    let file = SourceMap::new().add("inputs", inputs.to_string());
-    let (script, found) = parse_script(program, WORLD, file, inputs);
-    assert!(found.is_empty(), "{inputs}");
+    let script = script(program, inputs);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
     let mut rooms = Vec::new();
@@ -177,9 +175,7 @@ fn pit_goes_round_the_sides_of_the_picture() {
     for (inputs, from, across) in [("right*40", 236.0, -1.0), ("left*40", 8.0, 1.0)] {
         layout.set_var(&mut state, hypedc::ir::VarId(0), 0, from);
         layout.set_var(&mut state, hypedc::ir::VarId(1), 0, 16.0 * row as f64);
-        let file = SourceMap::new().add("inputs", inputs.to_string());
-        let (script, _) = parse_script(&program, WORLD, file, inputs);
-        for input in script.inputs() {
+        for input in script(&program, inputs).inputs() {
             sim.step(&mut state, input, &mut scratch).unwrap();
         }
         let (x, y) = sim.position(&state, pit);

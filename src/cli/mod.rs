@@ -37,21 +37,10 @@ use clap::Parser;
 
 use args::{Arguments, Command};
 #[cfg(feature = "testing")]
-pub use schemas::schemas;
-
-/// [`reach::answer_by_analysis_of`], for the arguments of a whole command line.
-#[cfg(feature = "testing")]
 #[doc(hidden)]
-#[allow(missing_docs, reason = "documented where it is")]
-pub fn answer_by_analysis_of(
-    file: &std::path::Path,
-    arguments: &[&str],
-) -> io::Result<Option<(bool, crate::reach::Conclusion, String)>> {
-    match Arguments::try_parse_from(arguments).map(|arguments| arguments.command) {
-        Ok(Command::Reach(args)) => reach::answer_by_analysis_of(file, &args),
-        _ => Ok(None),
-    }
-}
+pub use reach::answer_by_analysis_of;
+#[cfg(feature = "testing")]
+pub use schemas::schemas;
 
 /// The exit status of a subcommand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

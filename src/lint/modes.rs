@@ -22,7 +22,8 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
         if !entered[mode] {
             // A mode inside an unreachable mode is explained by it.
             if m.parent.is_none_or(|around| entered[around]) {
-                let (first, doubtful) = (first(entity, mode), doubtful(entity, mode));
+                let beside = siblings(entity, mode);
+                let (first, doubtful) = (first(entity, mode, &beside), doubtful(entity, &beside));
                 found.report(UnreachableMode { path: m.path.join("."), at: m.name.span, first, doubtful });
             }
             continue;
@@ -171,8 +172,7 @@ fn entered(entity: &Entity) -> IdVec<ModeId, bool> {
 
 /// The edges beside a mode that nothing leads to which may have been meant to: those that stay where they are and change
 /// nothing, else those that lead to where another edge of the same mode leads. None if they are many.
-fn doubtful(entity: &Entity, mode: ModeId) -> Vec<(Span, String)> {
-    let beside = siblings(entity, mode);
+fn doubtful(entity: &Entity, beside: &[ModeId]) -> Vec<(Span, String)> {
     if beside.len() > MAX_COMPARED {
         return Vec::new();
     }
@@ -182,22 +182,18 @@ fn doubtful(entity: &Entity, mode: ModeId) -> Vec<(Span, String)> {
         return Vec::new();
     }
     let name = |mode: ModeId| &entity.modes[mode].name.text;
-    let stays = |edge: &&&Edge| edge.target == Some(edge.source) && edge.actions.is_empty();
-    let mut found: Vec<_> = edges
-        .iter()
-        .filter(stays)
-        .map(|edge| (edge.guard.span, format!("this edge leads back to its own mode, `{}`", name(edge.source))))
-        .collect();
+    let stays = |edge: &&Edge| {
+        let stays = edge.target? == edge.source && edge.actions.is_empty();
+        stays.then(|| (edge.guard.span, format!("this edge leads back to its own mode, `{}`", name(edge.source))))
+    };
+    let repeats = |edge: &&Edge| {
+        let to = edge.target?;
+        let alike = edges.iter().filter(|other| other.source == edge.source && other.target == Some(to)).count();
+        (alike > 1).then(|| (edge.guard.span, format!("two edges of `{}` lead to `{}`", name(edge.source), name(to))))
+    };
+    let mut found: Vec<_> = edges.iter().filter_map(stays).collect();
     if found.is_empty() {
-        let goes_alike = |edge: &&&Edge| {
-            let is_alike = |other: &Edge| other.target == edge.target && other.source == edge.source;
-            edge.target.is_some() && edges.iter().filter(|other| is_alike(other)).count() > 1
-        };
-        let alike = |edge: &&Edge| {
-            let label = |to| format!("two edges of `{}` lead to `{}`", name(edge.source), name(to));
-            edge.target.map(|to| (edge.guard.span, label(to)))
-        };
-        found = edges.iter().filter(goes_alike).filter_map(alike).collect();
+        found = edges.iter().filter_map(repeats).collect();
     }
     if found.len() > MAX_DOUBTFUL { Vec::new() } else { found }
 }
@@ -219,9 +215,8 @@ fn initial_modes(entity: &Entity, modes: &[ModeId]) -> Vec<ModeId> {
 }
 
 /// The default initial mode among the siblings of a mode.
-fn first(entity: &Entity, mode: ModeId) -> Option<(String, Span)> {
-    let beside = siblings(entity, mode);
-    let first = entity.default_mode(&beside)?;
+fn first(entity: &Entity, mode: ModeId, beside: &[ModeId]) -> Option<(String, Span)> {
+    let first = entity.default_mode(beside)?;
     let name = &entity.modes[first].name;
     (first != mode).then(|| (name.text.to_string(), name.span))
 }

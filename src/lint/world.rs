@@ -82,7 +82,8 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
     let is_open = checked.worlds.iter().any(|w| w.open.is_some());
     let is_complete = !is_open && !checked.worlds.is_empty();
     let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
-    let mut carried: BTreeSet<TagId> = colliders.copied().collect();
+    let of_colliders: BTreeSet<TagId> = colliders.copied().collect();
+    let mut carried = of_colliders.clone();
     for space in checked.worlds.iter().flat_map(|w| w.spaces.iter()) {
         carried.extend(statics(space).into_iter().flatten());
     }
@@ -90,9 +91,8 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
     let last = last_tags(checked);
     let requested = requested(checked);
     let root = root_of(checked, root);
-    let colliders = checked.entities.iter().flat_map(|e| e.colliders.iter()).flat_map(|c| &c.tags);
-    let unasked: BTreeSet<TagId> = colliders.filter(|tag| !requested.contains(tag)).copied().collect();
-    let unasked = unasked.iter().map(|tag| &checked.tags[*tag]).map(|tag| (tag.text.to_string(), tag.span));
+    let unasked = of_colliders.difference(&requested).map(|tag| &checked.tags[*tag]);
+    let unasked = unasked.map(|tag| (tag.text.to_string(), tag.span));
     let unasked: Vec<(String, Span)> = unasked.take(MAX_UNASKED + 1).collect();
     for &tag in requested.difference(&carried) {
         let name = &checked.tags[tag];

@@ -52,12 +52,17 @@ pub fn program(compilation: Compilation) -> Arc<Program> {
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
 }
 
-/// A script for the first world, which must be valid.
-pub fn script(program: &Program, text: &str) -> Script {
+/// A script for a world, which must be valid.
+pub fn script_of(program: &Program, world: WorldId, text: &str) -> Script {
     let file = SourceMap::new().add("inputs", text);
-    let (script, found) = parse_script(program, WorldId(0), file, text);
+    let (script, found) = parse_script(program, world, file, text);
     assert!(found.is_empty(), "{text}: {found:?}");
     script
+}
+
+/// As [`script_of`], for the first world.
+pub fn script(program: &Program, text: &str) -> Script {
+    script_of(program, WorldId(0), text)
 }
 
 /// Runs a script in the first world and calls `look` in each state.
@@ -149,7 +154,18 @@ pub fn declares(code: &str, words: &[&str], name: &str) -> bool {
     })
 }
 
-/// Whether to run the long version of tests with many random programs.
+/// Whether to run the long version of tests that take long.
 pub fn is_long() -> bool {
     std::env::var_os("HYPEDC_LONG").is_some()
+}
+
+/// A size of a test: the usual one, or that of its long version.
+pub fn sized<T>(usual: T, long: T) -> T {
+    if is_long() { long } else { usual }
+}
+
+/// All, in the long version of a test; else the one whose turn it is.
+pub fn by_turn<T>(all: &[T], turn: usize) -> &[T] {
+    let turn = turn % all.len();
+    sized(&all[turn..=turn], all)
 }

@@ -167,16 +167,23 @@ impl Supervisor for Phases<'_> {
     }
 }
 
-/// Answers the arguments of `hypedc reach` by the analysis of the same world in another file: the tests give a wrong one.
-/// Returns whether the exit status is 0, and the verdict and the text of the first goal.
+/// Answers a command line of `hypedc reach` by the analysis of the same world in another file: the tests give a wrong
+/// one. Returns whether the exit status is 0, and the verdict and the text of the first goal; `None` for other
+/// arguments, or if a file is refused.
 ///
 /// # Errors
 /// As writing to the standard output.
 #[cfg(feature = "testing")]
 pub fn answer_by_analysis_of(
     file: &std::path::Path,
-    args: &ReachArgs,
+    arguments: &[&str],
 ) -> io::Result<Option<(bool, crate::reach::Conclusion, String)>> {
+    use clap::Parser;
+
+    use crate::cli::args::{Arguments, Command};
+
+    let arguments = Arguments::try_parse_from(arguments);
+    let Ok(Arguments { command: Command::Reach(args), .. }) = &arguments else { return Ok(None) };
     let (level, world) = (|| args.reading.of(None), WorldId(0));
     let (Some(analysed), Some(mut loaded)) =
         (load_constrained(file, level(), None)?, load_constrained(&args.file, level(), None)?)

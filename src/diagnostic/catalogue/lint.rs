@@ -296,10 +296,10 @@ impl Fact for UnpairedTouch {
         let message = format!("no `collide` line of `{world}` pairs {} with `{other}`", list(&quoted, "or"));
         let d = Diagnostic::new(Code::UnpairedTouch, message).at(self.at, "never holds");
         let d = match self.lines.as_slice() {
-            [] => match self.before {
-                Some(before) => d.and(span, "in this world").and(before, "the line may stand before this"),
-                None => d.and(span, "in this world"),
-            },
+            [] => {
+                let d = d.and(span, "in this world");
+                self.before.into_iter().fold(d, |d, before| d.and(before, "the line may stand before this"))
+            }
             lines => lines.iter().fold(d, |d, line| d.and(*line, "this pairs others")),
         };
         match mine.first() {

@@ -44,8 +44,11 @@ fn regions<'v>(value: &'v Value, out: &mut Vec<(&'v Value, &'v Value)>) {
 #[test]
 fn sarif_logs_fit_the_schema() {
     let validator = jsonschema::validator_for(&sarif_schema()).unwrap();
-    let programs: Vec<String> =
-        files("tests/ui", "hyped").iter().chain(&files("examples", "hyped")).map(|p| p.display().to_string()).collect();
+    let programs: Vec<String> = files("tests/ui", "hyped")
+        .iter()
+        .chain(&files("examples/paper", "hyped"))
+        .map(|p| p.display().to_string())
+        .collect();
     let mut arguments = vec!["check", "--format", "sarif", "no/such file.hyped"];
     arguments.extend(programs.iter().map(String::as_str));
     let log = json(&arguments);

@@ -80,7 +80,7 @@ module.exports = grammar({
       [$.group, $.mode, $.always, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
       [
         $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.chance, $.collider, $.clamp,
-        $.invariant, $.condition, $.signal, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
+        $.invariant, $.condition, $.signals, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
       ],
     ),
 
@@ -123,7 +123,8 @@ module.exports = grammar({
       ),
     ),
     condition: $ => seq('condition', field('name', $.identifier), '=', field('holds', $.expression)),
-    signal: $ => seq('signal', field('name', $.identifier), optional($.signal_number)),
+    signals: $ => seq('signal', commas($.signal)),
+    signal: $ => seq(field('name', $.identifier), optional($.signal_number)),
     signal_number: $ => seq('(', field('name', $.identifier), optional($.annotation), ')'),
     invariant: $ => seq('invariant', field('holds', $.expression)),
 

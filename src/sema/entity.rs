@@ -182,9 +182,11 @@ impl Checker<'_> {
                     let id = entity.refs.push(Reference { name: r.name.clone(), entity: entity_id });
                     names.refs.declare(&r.name, id, &mut self.diagnostics);
                 }
-                Member::Signal(signal) => {
-                    if self.is_new_value(&signal.name, &mut values) {
-                        signals.push(self.signal(*signal));
+                Member::Signals(list) => {
+                    for signal in list.0 {
+                        if self.is_new_value(&signal.name, &mut values) {
+                            signals.push(self.signal(signal));
+                        }
                     }
                 }
                 Member::Buttons(list) => {
@@ -469,7 +471,7 @@ impl Checker<'_> {
             Member::Clamp(c) => (c.span, "a `clamp`"),
             Member::Invariant(i) => (i.span, "an `invariant`"),
             Member::Condition(c) => (c.name.span, "a `condition`"),
-            Member::Signal(s) => (s.span, "a `signal`"),
+            Member::Signals(list) => (list.1, "a `signal`"),
             Member::Follow(f) => (f.span, "`follow links`"),
             Member::Use(u) => (u.span, "a `use`"),
             Member::Edge(e) => (e.span, "an edge"),

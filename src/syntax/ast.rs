@@ -154,8 +154,8 @@ pub enum Member {
     Invariant(Box<Invariant>),
     /// `condition name = predicate`
     Condition(Box<Condition>),
-    /// `signal name(number)`
-    Signal(Box<Signal>),
+    /// `signal a, b(number)`
+    Signals(Box<(Vec<Signal>, Span)>),
     /// `x' := e` at the head of a mode
     Entry(Box<Update>),
     /// `when guard -> target { … }`
@@ -223,7 +223,7 @@ pub struct Condition {
     pub span: Span,
 }
 
-/// `signal name`, `signal name(number)`
+/// One of `signal name, name(number)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     /// Its name.

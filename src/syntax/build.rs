@@ -442,17 +442,9 @@ impl<'a> Builder<'a> {
                 Member::Invariant(Invariant { predicate: self.expression(inner.first()?)?, span }.into())
             }
             Rule::condition => Member::Condition(self.condition(pair)?.into()),
-            Rule::signal => {
-                let number = match inner.iter().find(|p| p.as_rule() == Rule::signal_number) {
-                    Some(number) => {
-                        let of = parts(number);
-                        let annotation = of.iter().find(|p| p.as_rule() == Rule::annotation);
-                        let name = of.iter().find(|p| p.as_rule() == Rule::name)?;
-                        Some((self.name(name), annotation.and_then(|p| self.dimension(p))))
-                    }
-                    None => None,
-                };
-                Member::Signal(Signal { name: self.name(inner.first()?), number, span }.into())
+            Rule::signals => {
+                let signals = inner.iter().filter(|p| p.as_rule() == Rule::signal);
+                Member::Signals((signals.map(|p| self.signal(p)).collect::<Option<_>>()?, span).into())
             }
             Rule::put => {
                 let arguments = match inner.get(1) {
@@ -473,6 +465,16 @@ impl<'a> Builder<'a> {
             Rule::envelope => Member::Envelope(self.envelope(pair)?.into()),
             _ => return None,
         })
+    }
+
+    fn signal(&mut self, pair: &Pair<'_, Rule>) -> Option<Signal> {
+        let inner = parts(pair);
+        let number = inner.iter().find(|p| p.as_rule() == Rule::signal_number).and_then(|number| {
+            let of = parts(number);
+            let annotation = of.iter().find(|p| p.as_rule() == Rule::annotation);
+            Some((self.name(of.first()?), annotation.and_then(|p| self.dimension(p))))
+        });
+        Some(Signal { name: self.name(inner.first()?), number, span: self.span_of(pair) })
     }
 
     fn domain(&mut self, pair: &Pair<'_, Rule>) -> Option<Domain> {

@@ -307,7 +307,7 @@ fn note_members(members: &[Member], occurrences: &mut Occurrences) {
             Member::Axes(list) => list.0.iter().for_each(|n| occurrences.declare(NameKind::Axis, n.span)),
             Member::Chance(c) => occurrences.declare(NameKind::Chance, c.name.span),
             Member::Condition(c) => occurrences.declare(NameKind::Condition, c.name.span),
-            Member::Signal(s) => occurrences.declare(NameKind::Signal, s.name.span),
+            Member::Signals(list) => list.0.iter().for_each(|s| occurrences.declare(NameKind::Signal, s.name.span)),
             Member::Group(group) => {
                 occurrences.declare(NameKind::Group, group.name.span);
                 note_members(&group.members, occurrences);

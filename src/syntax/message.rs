@@ -291,7 +291,7 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::player
             | R::goal
             | R::condition
-            | R::signal
+            | R::signals
             | R::chance
             | R::never
             | R::map

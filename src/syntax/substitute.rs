@@ -131,13 +131,17 @@ impl Substitution {
                 self.whole(&mut c.value);
                 self.span(&mut c.span);
             }
-            Member::Signal(s) => {
-                self.name(&mut s.name);
-                if let Some((name, dimension)) = &mut s.number {
-                    self.name(name);
-                    dimension.iter_mut().for_each(|d| self.dimension(d));
+            Member::Signals(list) => {
+                let (signals, span) = &mut **list;
+                for signal in signals {
+                    self.name(&mut signal.name);
+                    if let Some((name, dimension)) = &mut signal.number {
+                        self.name(name);
+                        dimension.iter_mut().for_each(|d| self.dimension(d));
+                    }
+                    self.span(&mut signal.span);
                 }
-                self.span(&mut s.span);
+                self.span(span);
             }
             Member::Flow(a) => self.assignment(a),
             Member::Entry(u) => self.update(u),

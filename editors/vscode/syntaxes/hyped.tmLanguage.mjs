@@ -101,7 +101,12 @@ const repository = {
       groups(r`\b(group)\s+(${NAME})`, 'storage.type', 'entity.name.namespace'),
       groups(r`\b(mode)\s+(${NAME})`, 'storage.type', 'entity.name.label'),
       groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),
-      groups(r`${START}(signal)\s+(${FREE})\b(?:\s*(\()\s*(${NAME})(?:\s*(:)\s*(${DIMENSION}))?)?`, 'storage.type', 'variable.other.member', 'punctuation.section.parens', 'variable.other.member', 'punctuation.separator', 'support.type.dimension'),
+      between(r`${START}(signal)(?=\s+${FREE})`, ['storage.type'], END, [], [
+        ...use('comments'),
+        groups(r`(\()\s*(${NAME})(?:\s*(:)\s*(${DIMENSION}))?\s*(\))?`, 'punctuation.section.parens', 'variable.other.member', 'punctuation.separator', 'support.type.dimension', 'punctuation.section.parens'),
+        groups(r`(${FREE})`, 'variable.other.member'),
+        COMMA,
+      ]),
       groups(r`${START}(chance)\s+(${NAME})\s*(:)(?!=)`, 'storage.type', 'variable.other.member', 'punctuation.separator'),
       groups(r`\b(initial)(?=\s+(?:mode|when)\b)`, 'storage.modifier'),
       groups(r`\b(always)(?=\s*(?:\{|//|$))`, 'storage.type'),

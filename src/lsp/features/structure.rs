@@ -249,9 +249,9 @@ impl Outline<'_> {
                     out.push(leaf(&r.name, SymbolKind::Name(NameKind::Reference), r.entity.span, "ref"))
                 }
                 Member::Condition(c) => out.push(self.condition(c)),
-                Member::Signal(s) => {
+                Member::Signals(list) => {
                     let kind = SymbolKind::Name(NameKind::Signal);
-                    out.push(self.symbol(&s.name, kind, s.span, Some("signal"), Vec::new()));
+                    out.extend(list.0.iter().map(|s| self.symbol(&s.name, kind, s.span, Some("signal"), Vec::new())));
                 }
                 Member::Buttons(list) => {
                     out.extend(list.0.iter().map(|n| leaf(n, SymbolKind::Name(NameKind::Button), n.span, "button")));

@@ -5,6 +5,6 @@
 (mode "mode" @context name: (identifier) @name) @item
 (space "space" @context name: (identifier) @name) @item
 (condition "condition" @context name: (identifier) @name) @item
-(signal "signal" @context name: (identifier) @name) @item
+(signal name: (identifier) @name) @item
 (goal "goal" @context name: (identifier) @name) @item
 (never "never" @context name: (identifier) @name) @item

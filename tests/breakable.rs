@@ -177,3 +177,54 @@ fn what_is_left_is_counted() {
     assert_eq!(run.broken().len(), 2);
     assert!(run.sim.goal(&run.state, goal).unwrap());
 }
+
+#[test]
+fn an_entity_counts_the_tiles_of_the_world_it_is_in() {
+    let entities = "
+        entity Hero {
+            collider body: rect(0, 0, 16, 16)
+            x' = 120
+            mode only { when touching(body at (4, 0), coin) as c { destroy c } }
+        }
+        entity Door {
+            discrete left: int 0..99 = 99
+            mode shut {
+                when true { left := count(coin) }
+                when count(coin) == 0 -> open
+            }
+            mode open { }
+        }";
+    let world = |name: &str, row: &str| {
+        format!(
+            "world {name} {{
+                 tiles t 16 x 16 {{ '.': empty; 'o': coin breakable; 'O': coin }}
+                 space main {{
+                     map t \"
+{row}
+                     \"
+                     place hero: Hero at (0, 0)
+                     place door: Door at (0, 0)
+                 }}
+             }}"
+        )
+    };
+    let worlds = [world("Two", "...o...o"), world("None", "........"), world("Fixed", "..oO....")];
+    let program = program(compile_text(&format!("{entities}{}", worlds.concat())));
+    for (world, all) in [(0, vec![2, 1, 0]), (1, vec![0]), (2, vec![2, 1])] {
+        let sim = Simulator::new(&program, WorldId(world));
+        let mut scratch = sim.scratch();
+        let mut state = sim.initial(&mut scratch).unwrap();
+        let door = sim.world().slot_named("door").unwrap();
+        let mut seen = Vec::new();
+        for _ in 0..80 {
+            sim.step(&mut state, &Input::default(), &mut scratch).unwrap();
+            seen.push(sim.instance(&state, door).discrete(hypedc::ir::DiscreteId(0)));
+        }
+        seen.dedup();
+        assert_eq!(seen, all, "world {world}");
+        let opens = all.contains(&0);
+        let instance = sim.instance(&state, door);
+        let is_open = instance.modes().any(|mode| instance.entity().modes[mode].path == "open");
+        assert_eq!(is_open, opens, "world {world}");
+    }
+}

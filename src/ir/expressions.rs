@@ -101,6 +101,7 @@ impl Expr {
             | Expr::Touching(..)
             | Expr::InMode(..)
             | Expr::Broken(_)
+            | Expr::Tiles(_)
             | Expr::InSpace(..) => Vec::new(),
         }
     }

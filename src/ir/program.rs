@@ -155,6 +155,8 @@ pub enum Expr {
     InMode(Subject, ModeId),
     /// The number of broken tiles with a tag.
     Broken(TagId),
+    /// The number of tiles with a tag in the maps of the world, broken ones included.
+    Tiles(TagId),
     /// The instance is in a space.
     InSpace(Subject, SpaceId),
     /// The Euclidean distance of the position to (`x`, `y`) is at most `radius`; px.

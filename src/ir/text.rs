@@ -391,6 +391,7 @@ fn expression<'a>(
             format!("{}in {path}", owner(of))
         }
         Expr::Broken(tag) => format!("broken({})", p.tags[tag]),
+        Expr::Tiles(tag) => format!("tiles({})", p.tags[tag]),
         Expr::InSpace(of, space) => format!("{}in {space}", owner(of)),
         Expr::Count { of, holds } => format!("count({} where {})", p.entities[of].name, sub(holds)),
         Expr::Nearest { of, holds } => format!("nearest({} where {})", p.entities[of].name, sub(holds)),

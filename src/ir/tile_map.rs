@@ -59,6 +59,12 @@ impl<T> TileMap<T> {
         [column * self.tile.0, row * self.tile.1, self.tile.0, self.tile.1]
     }
 
+    /// The number of tiles of the kinds that pass a test.
+    pub fn count(&self, is_counted: impl Fn(&TileKind<T>) -> bool) -> usize {
+        let counted: Vec<bool> = self.kinds.iter().map(is_counted).collect();
+        self.cells.iter().filter(|kind| counted.get(usize::from(**kind)).is_some_and(|is| *is)).count()
+    }
+
     /// Width and height of the whole map, px.
     pub fn size(&self) -> (f64, f64) {
         (self.columns as f64 * self.tile.0, self.rows as f64 * self.tile.1)

@@ -250,6 +250,12 @@ pub struct Meeting {
 }
 
 impl World {
+    /// The number of tiles with a tag in the maps of all spaces, broken or not.
+    pub fn tiles_with(&self, tag: TagId) -> usize {
+        let maps = self.spaces.iter().filter_map(|space| space.map.as_ref());
+        maps.map(|map| map.count(|kind| kind.tags.contains(&tag))).sum()
+    }
+
     /// The rule of a contact between colliders with these tags, if there is one. The strongest rule wins; equally
     /// strong ones are combined.
     pub fn meeting(&self, a: TagSet, b: TagSet) -> Option<Meeting> {

@@ -10,7 +10,8 @@ use crate::syntax::ast::{self, Expr, Name};
 use super::Checker;
 use super::checked::{BoundProbe, Term, TermKind, Type, World};
 use super::constant::ConstantContext;
-use super::expression::Scope;
+use super::expression::{ReadLimit, Scope};
+use super::names::{Candidate, unknown};
 
 /// A use of a name that `as` gives, where only an instance can be meant.
 #[derive(Debug)]
@@ -56,18 +57,43 @@ impl Checker<'_> {
         kinds.flat_map(|kind| &kind.tags).map(|tag| (self.checked.tags[*tag].text.to_string(), *tag)).collect()
     }
 
-    /// `count(coin)`: how many tiles with a tag are there; `None` if the name is not the tag of tiles.
-    pub(super) fn count_of_tiles(&mut self, name: &Name, span: Span, scope: &Scope<'_>) -> Option<Term> {
-        let world = scope.world.filter(|_| self.entity_named(name).is_none())?;
-        let is_tag = match &world.tiles {
-            Some(tags) => tags.contains_key(&*name.text),
-            None => self.tags.contains_key(&name.text),
+    /// Whether `count(coin)` counts tiles: the name is no entity. An entity does not know the tags of tiles.
+    pub(super) fn counts_tiles(&self, name: &Name, scope: &Scope<'_>) -> bool {
+        let is_tag = match scope.world.map(|world| &world.tiles) {
+            Some(Some(tags)) => tags.contains_key(&*name.text),
+            Some(None) => self.tags.contains_key(&name.text),
+            None => !self.poisoned_names.contains(&*name.text),
         };
-        if !is_tag {
-            return None;
-        }
+        is_tag && self.entities.get(&name.text).is_none()
+    }
+
+    /// `count(coin)`: how many tiles with a tag are there.
+    pub(super) fn count_of_tiles(&mut self, name: &Name, span: Span, scope: &Scope<'_>) -> Option<Term> {
+        self.allow_inside(span, scope, ReadLimit::Edges, "`count`")?;
         let tag = self.tag(name);
+        if scope.world.is_none() {
+            self.tile_counts.push((tag, name.span));
+        }
         Some(Term { kind: TermKind::Tiles(tag), ty: Type::Int, span })
+    }
+
+    /// Reports tags whose tiles entities count, if no world has such tiles.
+    pub(super) fn counted_tiles(&mut self) {
+        let counts = std::mem::take(&mut self.tile_counts);
+        let worlds = &self.checked.worlds;
+        // A level that is not given or not read may have them, and so may the worlds of those who import the file.
+        if worlds.is_empty() || worlds.iter().any(|world| world.open.is_some()) || self.has_unread_map {
+            return;
+        }
+        let of_tiles: BTreeMap<String, TagId> = worlds.iter().flat_map(|world| self.tags_of_tiles(world)).collect();
+        for (tag, at) in counts {
+            let name = &self.checked.tags[tag].text;
+            if !of_tiles.contains_key(&**name) {
+                let tags = of_tiles.keys().map(|tag| Candidate::from(tag.as_str()));
+                let fact = unknown("entity or tag of tiles", name, at, self.entities.names().chain(tags));
+                self.report_unknown(fact);
+            }
+        }
     }
 
     /// What `destroy` destroys: an instance, or a tile that is named by `as`.

@@ -154,10 +154,8 @@ impl Checker<'_> {
             wrong(self, FORMS);
             return None;
         };
-        if subject == of
-            && let Some(tiles) = self.count_of_tiles(&entity, span, scope)
-        {
-            return Some(tiles);
+        if subject == of && self.counts_tiles(&entity, scope) {
+            return self.count_of_tiles(&entity, span, scope);
         }
         if let (true, None, Some(world)) = (subject == of, self.entities.get(&entity.text), scope.world) {
             let tags = world.tiles.iter().flatten().map(|(tag, _)| Candidate::from(tag.as_str()));

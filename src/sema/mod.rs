@@ -112,6 +112,7 @@ pub fn check(
         checker.too_many("worlds", MAX_WORLDS, world.name.span);
     }
     checker.tiles_as_instances();
+    checker.counted_tiles();
     checker.count_tags();
     let Checker { mut checked, mut diagnostics, .. } = checker;
     checked.dimensions = dimension::check(&checked, sources, &mut diagnostics);
@@ -188,6 +189,10 @@ struct Checker<'a> {
     conditions: condition::Conditions,
     /// Uses of names as instances that may stand for tiles.
     instance_uses: Vec<breakable::InstanceUse>,
+    /// The tags whose tiles entities count, and where.
+    tile_counts: Vec<(TagId, Span)>,
+    /// Whether a map could not be read.
+    has_unread_map: bool,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -216,6 +221,8 @@ impl<'a> Checker<'a> {
             lost: lasting::Lost::of(files),
             conditions: condition::Conditions::default(),
             instance_uses: Vec::new(),
+            tile_counts: Vec::new(),
+            has_unread_map: false,
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

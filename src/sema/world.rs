@@ -126,6 +126,7 @@ impl Checker<'_> {
             self.wraps(&wraps, &mut world.spaces[id], map_at.is_some());
             // A world with a missing or wrong map is checked, but not run: its size does not matter.
             let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
+            self.has_unread_map |= map_at.is_some() && known.is_none();
             sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
         }
         self.named_tiles(&mut population);

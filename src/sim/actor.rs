@@ -293,7 +293,7 @@ pub(super) fn moves_independently(actors: &[Actor]) -> bool {
             Expr::Touching(of, _) | Expr::InSpace(of, _) | Expr::Near { of, .. } | Expr::Distance { of, .. } => {
                 other(of)
             }
-            Expr::Probe { .. } | Expr::Count { .. } | Expr::Nearest { .. } => true,
+            Expr::Probe { .. } | Expr::Count { .. } | Expr::Nearest { .. } | Expr::Broken(_) => true,
             _ => false,
         })
     })

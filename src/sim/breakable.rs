@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{BreakableTiles, Id, Side, SpaceId, TagId, TagSet, TileId, TileLayout, TouchId, World};
+use crate::ir::{BreakableTiles, Expr, Id, Side, SpaceId, TagId, TagSet, TileId, TileLayout, TouchId, World};
 
 use super::actor::Actor;
 use super::simulator::Simulator;
@@ -164,6 +164,22 @@ impl Breakables {
     }
 }
 
+/// For each tag, the number of tiles of a world that have it; empty if no instance asks.
+pub(super) fn tile_counts(world: &World, actors: &[Actor]) -> Box<[u32]> {
+    let asked = actors.iter().flat_map(|actor| &actor.code.exprs).filter_map(|expr| match *expr {
+        Expr::Tiles(tag) => Some(tag),
+        _ => None,
+    });
+    let mut counts = Vec::new();
+    for tag in asked {
+        if counts.len() <= tag.index() {
+            counts.resize(tag.index() + 1, 0);
+        }
+        counts[tag.index()] = world.tiles_with(tag) as u32;
+    }
+    counts.into()
+}
+
 /// The better of two tiles: with the greater measure, of equal ones the lower, of these the left one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Best {
@@ -220,6 +236,11 @@ impl Simulator {
         let Some(breakables) = &self.breakables else { return 0 };
         let tagged = breakables.tiles.kinds.iter().filter(|kind| kind.tags.meets(TagSet::of(tag)));
         tagged.map(|kind| breakables.count_broken(state, kind.tiles)).sum()
+    }
+
+    /// The number of tiles with a tag, broken or not.
+    pub(super) fn tiles_with(&self, tag: TagId) -> u32 {
+        self.tile_counts.get(tag.index()).copied().unwrap_or(0)
     }
 
     /// Whether the tile of a cell of the map of a space is broken.

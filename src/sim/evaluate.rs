@@ -212,6 +212,7 @@ impl<'a> Reader<'a> {
             Expr::Timer(timer) => self.sim.world().step.times(self.own_layout().timer(self.state, timer)),
             Expr::Frames(n) => self.sim.world().step.frames(n),
             Expr::Broken(tag) => self.sim.broken_with(self.state, tag) as f64,
+            Expr::Tiles(tag) => self.sim.tiles_with(tag) as f64,
             Expr::Count { of, holds } => self.sim.count_members(self, of, holds),
             Expr::Distance { of, x, y } => {
                 let Some(slot) = self.instance(of) else {
@@ -310,6 +311,7 @@ impl<'a> Reader<'a> {
             | Expr::Timer(_)
             | Expr::Frames(_)
             | Expr::Broken(_)
+            | Expr::Tiles(_)
             | Expr::Negate(_)
             | Expr::Arithmetic(..)
             | Expr::Count { .. }

@@ -11,7 +11,7 @@ use crate::ir::{
 use crate::watch::{Meter, Unwatched};
 
 use super::actor::{Actor, Flow, actors, moves_independently};
-use super::breakable::Breakables;
+use super::breakable::{Breakables, tile_counts};
 use super::chance::{self, Draw, Frames};
 use super::collision::Collision;
 use super::discrete::{ActingGroup, TakenEdge};
@@ -36,6 +36,8 @@ pub struct Simulator {
     pub(super) collision: Collision,
     /// The tiles that can be broken, if there are any.
     pub(super) breakables: Option<Box<Breakables>>,
+    /// For each tag, the number of its tiles; empty if no instance asks.
+    pub(super) tile_counts: Box<[u32]>,
     /// What probes look at, if there are any.
     pub(super) probes: Option<Box<Probes>>,
     /// Who answers questions to each instance, if there are any.
@@ -143,6 +145,7 @@ impl Simulator {
             step: world.step.seconds(),
             collision,
             breakables: Breakables::new(world),
+            tile_counts: tile_counts(world, &actors),
             pools: program.entities.ids().map(|entity| Pool::new(world, entity)).collect(),
             actors,
             lives_change,

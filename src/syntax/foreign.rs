@@ -250,8 +250,9 @@ fn question(failed: &Failure<'_>) -> Option<LikelyFix> {
         return None;
     }
     let rest = failed.rest();
-    if failed.found == "=" || (failed.expects("`:`") && !name.is_empty() && begins_with_name(rest)) {
-        let sign = usize::from(failed.found == "=");
+    let is_assigned = failed.found == "=" && !failed.before().contains(':');
+    if is_assigned || (failed.expects("`:`") && !name.is_empty() && begins_with_name(rest)) {
+        let sign = usize::from(is_assigned);
         let range = failed.before().trim_end().len()..failed.at + sign;
         let help = format!("a colon is between the name and the predicate: `{kind} {name}: …`");
         return Some(LikelyFix::replacement(help, range, if sign > 0 { ":" } else { ": " }));
@@ -267,8 +268,12 @@ fn tile(failed: &Failure<'_>) -> Option<LikelyFix> {
     }
     let rest = failed.rest();
     if failed.at > 0 {
-        let is_next = failed.before().trim_end().ends_with(',') && rest.starts_with('\'');
-        return is_next.then(|| LikelyFix::new("tiles are on lines of their own, or separated by `;`"));
+        let before = failed.before().trim_end();
+        let last = before.trim_end_matches(',').trim_end();
+        let is_next =
+            rest.starts_with('\'') && (last.len() < before.len() || failed.expects("the end of the statement"));
+        let help = "tiles are on lines of their own, or separated by `;`";
+        return is_next.then(|| LikelyFix::replacement(help, last.len()..failed.at, "; "));
     }
     let (character, end) = match rest.strip_prefix('"') {
         Some(quoted) => (quoted.chars().next()?, 2),

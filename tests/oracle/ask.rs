@@ -32,6 +32,7 @@ impl Generator<'_> {
             return format!("when nearest {name}{within} as e{more} {{ {what} }}");
         }
         let guard = match self.draw.pick(13) {
+            _ if self.has_bricks && self.has_map && self.draw.chance(20) => format!("count(brick) {op} {}", few + 1),
             0 => format!("count({name}) {op} {few}"),
             1 => format!("count({name} in {mode}) {op} {few}"),
             2 => format!("any {name}.x {op} {length}"),

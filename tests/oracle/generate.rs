@@ -40,11 +40,11 @@ pub(super) struct Generator<'c> {
     has_axis: bool,
     pub(super) has_signals: bool,
     /// Whether there are tiles that can be broken.
-    has_bricks: bool,
+    pub has_bricks: bool,
     /// Whether there are slopes.
     has_slopes: bool,
     /// Whether a space has a map.
-    has_map: bool,
+    pub has_map: bool,
     /// Which entities have a chance.
     lucky: [bool; 3],
     /// The current group.

@@ -90,7 +90,7 @@ impl Arena {
     }
 
     /// Whether the first room has a map of its own.
-    fn is_mapped(&self) -> bool {
+    pub fn is_mapped(&self) -> bool {
         matches!(self.main, Kind::Map | Kind::OpenMap)
     }
 

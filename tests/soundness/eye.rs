@@ -98,6 +98,12 @@ impl<'a> Eye<'a> {
                 self.notes.note(if of == Subject::Me { "own discrete" } else { "discrete of another" });
                 Some(f64::from(slots[slot].discrete(self.state, discrete)))
             }
+            Expr::Tiles(tag) => {
+                self.notes.note("an entity counts tiles");
+                let maps = self.world.spaces.iter().filter_map(|space| space.map.as_ref());
+                let tags = maps.flat_map(|map| map.cells.iter().map(|cell| &map.kinds[usize::from(*cell)].tags));
+                Some(tags.filter(|tags| tags.contains(&tag)).count() as f64)
+            }
             Expr::Broken(tag) => {
                 self.notes.note("broken tiles are counted");
                 let mut count = 0.0;

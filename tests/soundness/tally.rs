@@ -761,6 +761,7 @@ const EVENTS: &[&str] = &[
     "a tile is back around a body",
     "a place with a breakable tile",
     "broken tiles are counted",
+    "an entity counts tiles",
     "an instance begins",
     "an instance begins where a placed one is gone",
     "an instance ends",

@@ -80,6 +80,7 @@ impl Reads {
             | Expr::Count { .. }
             | Expr::InMode(..)
             | Expr::Broken(_)
+            | Expr::Tiles(_)
             | Expr::InSpace(..) => self.others = true,
         }
         for operand in program.exprs[id].operands() {

@@ -600,7 +600,10 @@ fn reads_others(program: &Program, entity: &Entity) -> bool {
     let mut code = (entity.code.from.0..entity.code.to.0).map(ExprId);
     !entity.refs.is_empty()
         || entity.touches.iter().any(|t| t.bound)
-        || code.any(|id| matches!(program.exprs[id], Expr::Probe { .. } | Expr::Count { .. } | Expr::Nearest { .. }))
+        || code.any(|id| {
+            let expr = &program.exprs[id];
+            matches!(expr, Expr::Probe { .. } | Expr::Count { .. } | Expr::Nearest { .. } | Expr::Broken(_))
+        })
 }
 
 /// Restricts discrete variables to their bounds.

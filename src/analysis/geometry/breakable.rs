@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use crate::ir::{Expr, Program, RefValue, Subject, TagId, TagSet, TileKind, World};
 
+use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::seam;
 
 /// The world as it is analysed: repeated beyond seams, and without the property of being breakable where nothing breaks.
@@ -45,13 +46,22 @@ fn broken(program: &Program, world: &World) -> TagSet {
     tags
 }
 
+/// The number of tiles with a tag in all maps. The map of a space that wraps may be a repeated one; each of its tiles
+/// counts up to three times along an axis that wraps.
+pub(in crate::analysis) fn number_of_tiles(world: &World, tag: TagId) -> Interval {
+    let (mut low, mut high) = (0, 0);
+    for (space, map) in world.spaces.iter().filter_map(|space| Some((space, space.map.as_ref()?))) {
+        let count = map.count(|kind| kind.tags.contains(&tag));
+        let copies: usize = space.periods.iter().flatten().map(|_| 3).product();
+        low += count / copies;
+        high += count;
+    }
+    Interval { low: low as f64, high: high as f64 }
+}
+
 /// The number of tiles with a tag that can be broken.
 pub(in crate::analysis) fn most_broken(world: &World, tag: TagId) -> f64 {
     let can_break = |kind: &TileKind<TagId>| kind.breakable.is_some() && kind.tags.contains(&tag);
     let maps = world.spaces.iter().filter_map(|space| space.map.as_ref());
-    let counts = maps.map(|map| {
-        let kinds: Vec<bool> = map.kinds.iter().map(can_break).collect();
-        map.cells.iter().filter(|kind| kinds[usize::from(**kind)]).count()
-    });
-    counts.sum::<usize>() as f64
+    maps.map(|map| map.count(can_break)).sum::<usize>() as f64
 }

@@ -275,6 +275,7 @@ impl<'a> Reader<'a> {
                 None => Values::all(),
             },
             Expr::Broken(tag) => Values::from(Interval { low: 0.0, high: breakable::most_broken(self.world, tag) }),
+            Expr::Tiles(tag) => Values::from(breakable::number_of_tiles(self.world, tag)),
             Expr::Axis(_) if self.has_player() => Values::from(Interval { low: -1.0, high: 1.0 }),
             Expr::Axis(_) => Values::point(0.0),
             Expr::Chance(chance) => match self.me {

@@ -88,6 +88,11 @@ pub const SIGNATURES: &[Signature] = &[
         doc: "The number of living instances of an entity; with `in MODE` or `touching TAG`, of those for which that \
               holds.",
     },
+    Signature {
+        name: "count",
+        parameters: &["tag"],
+        doc: "The number of tiles with a tag that are there, in all spaces of the world.",
+    },
     Signature { name: "inside", parameters: &["instance", "space"], doc: "The instance is in the space." },
     Signature {
         name: "rect",

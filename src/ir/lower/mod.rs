@@ -148,7 +148,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
 }
 
 fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity, breakable: &BTreeSet<TagId>) {
-    let context = Context { me: Some(id), slots: &|_| id, indestructible: &|_| false, tiles: &|_| (0, false) };
+    let context = Context { me: Some(id), slots: &|_| id, indestructible: &|_| false, tiles: None };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
         program.entity_mut(id).params.push(Param { name: param.name.text.to_string(), default });

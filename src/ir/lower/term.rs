@@ -19,8 +19,8 @@ pub(super) struct Context<'a> {
     pub slots: &'a dyn Fn(SlotId) -> EntityId,
     /// Whether the instance of a slot can never be destroyed.
     pub indestructible: &'a dyn Fn(SlotId) -> bool,
-    /// The number of tiles of the world with a tag, and whether any of them can be broken.
-    pub tiles: &'a dyn Fn(TagId) -> (usize, bool),
+    /// The number of tiles of the world with a tag, and whether any of them can be broken; none in an entity.
+    pub tiles: Option<&'a dyn Fn(TagId) -> (usize, bool)>,
 }
 
 impl Context<'_> {
@@ -140,11 +140,13 @@ impl Program {
             }
             TermKind::Count(of) => return self.count(of, context, term.span),
             TermKind::Tiles(tag) => {
-                let (count, can_break) = (context.tiles)(*tag);
-                if !can_break {
-                    return self.push(Expr::Number(count as f64), term.span);
-                }
-                let all = self.push(Expr::Number(count as f64), term.span);
+                let all = match context.tiles.map(|tiles| tiles(*tag)) {
+                    Some((count, false)) => return self.push(Expr::Number(count as f64), term.span),
+                    Some((count, true)) => Expr::Number(count as f64),
+                    // Code of an entity runs in all worlds.
+                    None => Expr::Tiles(*tag),
+                };
+                let all = self.push(all, term.span);
                 let broken = self.push(Expr::Broken(*tag), term.span);
                 Expr::Arithmetic(Arithmetic::Subtract, all, broken)
             }

@@ -2,7 +2,7 @@
 
 use crate::ir::{
     Bounds, Collide, EntityId, ExprId, GoalId, IdVec, Layout, Limit, Link, NeverId, Origin, Player, PlayerId,
-    Predicate, Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagId, TagSet, World, WorldSpans,
+    Predicate, Program, Slot, SlotId, Solid, Space, SpaceId, Step, TagId, TagSet, TileKind, World, WorldSpans,
 };
 use crate::sema::checked;
 
@@ -26,7 +26,7 @@ pub(super) fn predicates(
     let indestructible =
         |slot: SlotId| w.instances[slot].origin == Origin::Named && !destructible[w.instances[slot].entity];
     let tiles = |tag| tiles(w, tag);
-    let context = Context { me: None, slots: &entity_of, indestructible: &indestructible, tiles: &tiles };
+    let context = Context { me: None, slots: &entity_of, indestructible: &indestructible, tiles: Some(&tiles) };
     let mut lowered = |q: &checked::Question| Predicate {
         name: q.name.text.to_string(),
         holds: program.term(&q.predicate, &context),
@@ -43,15 +43,13 @@ pub(super) fn predicates(
 
 /// The number of tiles of a world with a tag, and whether any of them can be broken.
 fn tiles(w: &checked::World, tag: TagId) -> (usize, bool) {
-    let (mut count, mut can_break) = (0, false);
-    for map in w.spaces.iter().filter_map(|space| space.map.as_ref()) {
-        let has: Vec<bool> = map.kinds.iter().map(|kind| kind.tags.contains(&tag)).collect();
-        for kind in map.cells.iter().map(|kind| usize::from(*kind)).filter(|kind| has[*kind]) {
-            count += 1;
-            can_break |= map.kinds[kind].breakable.is_some();
-        }
-    }
-    (count, can_break)
+    let maps = || w.spaces.iter().filter_map(|space| space.map.as_ref());
+    let count = |can_break: bool| {
+        let is_counted = |kind: &TileKind<TagId>| kind.tags.contains(&tag) && (!can_break || kind.breakable.is_some());
+        maps().map(|map| map.count(is_counted)).sum()
+    };
+    let all: usize = count(false);
+    (all, count(true) > 0)
 }
 
 /// For each entity, whether anything may destroy an instance of it.

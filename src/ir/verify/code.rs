@@ -161,10 +161,7 @@ impl<'p> Code<'p> {
                 exists(other, &program.tags)?;
                 ensure(offset.iter().all(|id| self.is_own(*id, None)), "an offset reads more than its own instance")
             }
-            Expr::Broken(tag) => {
-                exists(tag, &program.tags)?;
-                ensure(matches!(owner, Owner::World(_)), "an entity knows no tiles")
-            }
+            Expr::Broken(tag) | Expr::Tiles(tag) => exists(tag, &program.tags),
             Expr::InSpace(subject, space) => {
                 self.read(owner, subject, facts)?;
                 match owner {
@@ -211,6 +208,7 @@ impl<'p> Code<'p> {
             | Expr::Is(..)
             | Expr::Alive(_)
             | Expr::Broken(_)
+            | Expr::Tiles(_)
             | Expr::InSpace(..)
             | Expr::Near { .. }
             | Expr::Count { .. }

@@ -18,6 +18,7 @@ mod semantics;
 mod slopes;
 mod smb;
 mod start;
+mod studio;
 mod trace;
 mod view;
 mod zelda;

@@ -74,7 +74,7 @@ impl Drawing<'_> {
 
     fn mode(&mut self, index: usize) {
         let (mode, b) = (&self.chart.modes[index], &self.layout.boxes[index]);
-        self.rect("mode", b.rect);
+        self.rect(&format!("mode\" data-mode=\"{index}"), b.rect);
         for line in &b.lines {
             let x = b.rect.x + PAD;
             match line.kind {

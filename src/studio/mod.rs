@@ -1,0 +1,17 @@
+//! A play session: a program is compiled, its world is played, scrubbed, inspected, changed and searched, all by typed
+//! [requests](Request) with typed [answers](Answer). It does no input or output: `hypedc play` carries it to a page over
+//! a WebSocket, the playground runs it in the page's worker.
+
+mod history;
+mod inspect;
+mod project;
+mod protocol;
+mod scene;
+mod search;
+mod session;
+mod sliders;
+
+pub use project::Level;
+pub use protocol::*;
+pub use search::Task;
+pub use session::Session;

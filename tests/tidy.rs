@@ -33,7 +33,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("corpus", &["tabular", "json", "reach"]),
     (
         "studio",
-        &["source", "watch", "diagnostic", "syntax", "ir", "compile", "sim", "reach", "graph"],
+        &["source", "watch", "diagnostic", "syntax", "ir", "level", "analysis", "compile", "sim", "reach", "graph"],
     ),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (

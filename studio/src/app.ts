@@ -1,7 +1,9 @@
 // Puts the page together over a carrier: stage, time, panels, keys. The playground and exported games use it, too.
 
 import type { Carrier } from "./carrier.ts";
+import { watchContacts } from "./contacts.ts";
 import type { Theme } from "./draw/colors.ts";
+
 import { Overlays } from "./draw/overlays.ts";
 import { Stage } from "./draw/stage.ts";
 import { Game } from "./game.ts";
@@ -76,7 +78,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     goals.element,
     h("span", { class: "grow" }),
     map,
-    iconButton("hand", "Touch controls", () => showTouch(touch.element.hidden)),
+    iconButton("pad", "Touch controls", () => showTouch(touch.element.hidden)),
     themeButton,
     iconButton("panel", "Panel", () => sidebar.open(!sidebar.isOpen)),
   );
@@ -160,10 +162,10 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     run();
   });
 
+  watchContacts(game, stage, overlays);
   new Pointer(game, stage, overlays, {
     pick: (slot) => {
       know.select(slot);
-      know.checkBounds();
       if (slot !== null && sidebar.isOpen) sidebar.show("know");
     },
     place: (place) => ask.setPlace(place),

@@ -34,6 +34,8 @@ export class Stage {
   readonly shows: Shows = { grid: false, sensors: false, contacts: false, names: false, arc: false };
   readonly overlays: Overlay[] = [];
   readonly onColors = new Signal();
+  /** Something else is shown on request. */
+  readonly onShows = new Signal();
   /** The instance that is looked at. */
   selected: number | null = null;
   /** The instance under the mouse. */

@@ -67,6 +67,8 @@ export class TextPanel implements Panel {
       this.view.dom,
       h("p", { class: "quiet" }, "Escape leaves the editor for the game; Tab indents."),
     );
+    // Its text can have the focus; the box around it need not.
+    this.view.scrollDOM.removeAttribute("tabindex");
     this.file.addEventListener("change", () => void this.open(this.file.value));
     game.onOpened.on((opened) => this.take(opened));
   }

@@ -105,13 +105,14 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   });
 
   function resize(): void {
-    stage.resize(stageBox.clientWidth, stageBox.clientHeight);
+    stage.resize(stage.canvas.clientWidth, stage.canvas.clientHeight);
   }
-  new ResizeObserver(resize).observe(stageBox);
+  new ResizeObserver(resize).observe(stage.canvas);
 
   function toggleMap(): void {
     stage.isOverview = !stage.isOverview;
     map.setAttribute("aria-pressed", String(stage.isOverview));
+    update();
   }
 
   function showTouch(isShown: boolean): void {
@@ -190,7 +191,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     const isNew = game.mode === "paused" && game.length === 0 && game.scene !== null;
     const keys = inputs.actions.length > 0 ? "Press a key of the game to start" : "Press play to start";
     hint.textContent = isNew ? (touch.element.hidden ? keys : "Touch a control to start") : "";
-    hint.hidden = !isNew || game.opened?.is_current === false;
+    hint.hidden = !isNew || stage.isOverview || game.opened?.is_current === false;
     const isOver = game.ended !== null && game.mode === "paused" && game.frame?.at === game.length;
     ended.hidden = !isOver;
     if (isOver && ended.childElementCount === 0) {

@@ -95,7 +95,7 @@ export class TextPanel implements Panel {
         ...defaultKeymap,
         ...historyKeymap,
       ]),
-      EditorView.contentAttributes.of({ "aria-label": "Program text" }),
+      EditorView.contentAttributes.of({ "aria-label": "Program text", tabindex: "0" }),
       EditorView.updateListener.of((update) => {
         if (update.docChanged && !this.isFilling) this.typed();
       }),

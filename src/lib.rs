@@ -33,6 +33,7 @@
 //! | [`view`] | pictures of searches |
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
+//! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
 //!
@@ -63,6 +64,7 @@ pub mod reach;
 pub mod sema;
 pub mod sim;
 pub mod source;
+pub mod studio;
 pub mod syntax;
 pub mod tabular;
 pub mod view;

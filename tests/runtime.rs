@@ -18,6 +18,8 @@ mod semantics;
 mod slopes;
 mod smb;
 mod start;
+mod studio;
+mod studio_protocol;
 mod trace;
 mod view;
 mod zelda;

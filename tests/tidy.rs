@@ -31,6 +31,10 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("view", &["ir"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
+    (
+        "studio",
+        &["source", "watch", "diagnostic", "syntax", "ir", "level", "analysis", "compile", "sim", "reach", "graph"],
+    ),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",
@@ -49,6 +53,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "compile",
             "sim",
             "reach",
+            "studio",
             "graph",
             "view",
             "experiment",

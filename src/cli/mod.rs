@@ -20,6 +20,7 @@ mod ir;
 #[cfg(feature = "lsp")]
 mod lsp;
 mod new;
+mod play;
 mod reach;
 mod refusal;
 mod replay;
@@ -70,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Import(command) => import::run(&command),
         Command::Ir(args) => ir::run(&args),
         Command::Sim(args) => sim::run(&args),
+        Command::Play(args) => play::run(&args),
         Command::Reach(args) if corpus::is_corpus_run(&args) => corpus::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Experiment(args) => experiment::run(&args),

@@ -25,6 +25,15 @@ impl Simulator {
 }
 
 impl<'a> Instance<'a> {
+    pub(super) fn sim(self) -> &'a Simulator {
+        self.sim
+    }
+
+    /// The bytes of the state.
+    pub(super) fn bytes(self) -> &'a [u8] {
+        self.state
+    }
+
     /// Its slot.
     pub fn slot(self) -> SlotId {
         self.slot

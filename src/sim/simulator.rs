@@ -221,6 +221,17 @@ impl Simulator {
         Reader { sim: self, state, frames, taken: &[], fault, actor: None, me, member: me, code, base: 0 }
     }
 
+    /// The reader of an instance, outside of a step.
+    pub(super) fn own_reader<'a>(
+        &'a self,
+        state: &'a [u8],
+        slot: SlotId,
+        frames: &'a Frames,
+        fault: &'a Cell<Option<Fault>>,
+    ) -> Reader<'a> {
+        self.reader(&self.actors[slot.index()], state, frames, &[], fault)
+    }
+
     /// Working memory for this world.
     pub fn scratch(&self) -> Scratch {
         let sum = |count: &dyn Fn(&Entity) -> usize| -> usize {

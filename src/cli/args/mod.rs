@@ -35,6 +35,8 @@ pub(in crate::cli) enum Command {
     Ir(IrArgs),
     /// Runs a world with given inputs.
     Sim(SimArgs),
+    /// Plays a world in the browser: with keys, back and forth in time, with a look at what is going on in it.
+    Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
@@ -241,6 +243,25 @@ pub(in crate::cli) struct SimArgs {
         conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "expect", "expect_not"]
     )]
     pub replay: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The page works on this machine only, at the address that is printed; without the token in it nothing is \
+answered. A change of the file on the disk is played at once."
+)]
+pub(in crate::cli) struct PlayArgs {
+    /// The program.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub level: LevelArgs,
+    /// The port of the page; 0 chooses a free one.
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub port: u16,
+    /// Only prints the address of the page.
+    #[arg(long)]
+    pub no_open: bool,
 }
 
 /// How traces are written.

@@ -1,0 +1,102 @@
+//! Carries a session over a WebSocket: one JSON request, one JSON answer, in order. Each page has a session of its own.
+
+use std::io::{Read, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use tiny_http::{Header, Request as HttpRequest, Response, StatusCode};
+use tungstenite::handshake::derive_accept_key;
+use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use crate::studio::{Answer, Level, Request, Session, Task};
+
+use super::super::args::PlayArgs;
+use super::super::disk::Disk;
+use super::files::{Seen, save};
+
+/// Maximum size of a request, bytes: a program's text.
+const MAX_REQUEST: usize = 32 << 20;
+
+/// A request that is not for the session.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "ask", rename_all = "snake_case")]
+enum FileRequest {
+    /// Which files of the program have changed on the disk since the last such question?
+    Watch,
+    /// Writes a file.
+    Save { path: String, text: String },
+}
+
+/// What is answered to the first of them.
+#[derive(Debug, Serialize)]
+#[serde(tag = "answer", rename_all = "snake_case")]
+enum FileAnswer {
+    Changed { files: Vec<String> },
+}
+
+/// Starts sessions.
+pub(super) struct Carrier {
+    root: PathBuf,
+    level: Level,
+}
+
+impl Carrier {
+    pub fn new(args: &PlayArgs) -> Carrier {
+        let (map, legend) = (args.level.map.clone(), args.level.reading.legend.clone());
+        Carrier { root: args.file.clone(), level: Level { map, legend, tile: args.level.reading.tile } }
+    }
+
+    /// Turns a request into a WebSocket, and serves it until it is closed.
+    pub fn carry(self: &Arc<Self>, request: HttpRequest, key: &str) {
+        let accept = derive_accept_key(key.as_bytes());
+        let header = Header::from_bytes("Sec-WebSocket-Accept", accept).into_iter();
+        let response = header.fold(Response::empty(StatusCode(101)), Response::with_header);
+        let carrier = Arc::clone(self);
+        std::thread::spawn(move || {
+            let stream = request.upgrade("websocket", response);
+            let config =
+                WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
+            // A page that is closed is no error.
+            let _ = carrier.serve(WebSocket::from_raw_socket(stream, Role::Server, Some(config)));
+        });
+    }
+
+    fn serve<S: Read + Write>(&self, mut socket: WebSocket<S>) -> Result<(), Error> {
+        let spawn = |task: Task| {
+            std::thread::spawn(task);
+        };
+        let mut session = Session::new(Box::new(Disk), self.root.clone(), self.level.clone(), Box::new(spawn));
+        let mut seen = Seen::default();
+        loop {
+            match socket.read()? {
+                Message::Text(text) => {
+                    let answer = self.answer(&mut session, &mut seen, &text);
+                    socket.send(Message::text(answer))?;
+                }
+                Message::Close(_) => return Ok(()),
+                _ => {}
+            }
+        }
+    }
+
+    fn answer(&self, session: &mut Session, seen: &mut Seen, text: &str) -> String {
+        let answer = match serde_json::from_str(text) {
+            Ok(FileRequest::Watch) => {
+                let changed = seen.changed(&session.paths());
+                let files = changed.iter().map(|path| path.display().to_string()).collect();
+                return serde_json::to_string(&FileAnswer::Changed { files }).unwrap_or_default();
+            }
+            Ok(FileRequest::Save { path, text }) => match save(&self.root, &session.paths(), &path, &text) {
+                Ok(()) => Answer::Done,
+                Err(message) => Answer::Refused { message },
+            },
+            Err(_) => match serde_json::from_str::<Request>(text) {
+                Ok(request) => session.answer(request),
+                Err(error) => Answer::Refused { message: format!("not a request: {error}") },
+            },
+        };
+        serde_json::to_string(&answer).unwrap_or_default()
+    }
+}

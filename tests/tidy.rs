@@ -28,13 +28,10 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
     ("reach", &["source", "watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
-    ("view", &["ir"]),
+    ("view", &["ir", "sim"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
-    (
-        "studio",
-        &["source", "watch", "diagnostic", "syntax", "ir", "compile", "sim", "reach", "graph"],
-    ),
+    ("studio", &["source", "watch", "diagnostic", "syntax", "ir", "compile", "sim", "reach", "graph"]),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",

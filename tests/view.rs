@@ -11,7 +11,7 @@ use crate::support::{Disk, compile_text, program, sized};
 use hypedc::compile::compile;
 use hypedc::ir::{Bounds, GoalId, Program, SlotId, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
-use hypedc::view::{Mark, Node, Part, Picture, Pose, Recorder, Run, Stop, Track, picture_svg};
+use hypedc::view::{Images, Mark, Node, Part, Picture, Pose, Recorder, Run, Stop, Track, picture_svg};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -129,7 +129,11 @@ fn draw_goal(program: &Program, Walk { nodes, run }: &Walk, title: &str, notes: 
     let is_good = !run.tracks.is_empty();
     let goals: Vec<GoalId> = program.worlds[WORLD].goal_named(title).into_iter().collect();
     let result = if is_good { "reached" } else { "not found" };
-    picture_svg(program, WORLD, &Picture { title, result, is_good, goals: &goals, nodes, run, notes })
+    picture_svg(
+        program,
+        WORLD,
+        &Picture { title, result, is_good, goals: &goals, nodes, run, notes, images: &Images::default() },
+    )
 }
 
 /// A run of the first player without shapes.

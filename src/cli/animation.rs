@@ -10,7 +10,7 @@ use std::path::Path;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
 use crate::sim::{Script, Simulator};
-use crate::view::{Canvas, Colors, Film, FilmOptions};
+use crate::view::{Canvas, Colors, Film, FilmOptions, Images};
 use crate::watch::Watch;
 
 use super::args::GifArgs;
@@ -52,14 +52,14 @@ impl NoAnimation {
 /// Writes the animation of a run.
 pub(super) fn save(
     path: &Path,
-    args: &GifArgs,
+    (args, images): (&GifArgs, &Images),
     sim: &Simulator,
     (script, chance): (&Script, Option<u64>),
     frames: u64,
     watch: &dyn Watch,
 ) -> Result<(), NoAnimation> {
     let options = FilmOptions { scale: args.scale, size: args.size, is_dark: args.dark };
-    let mut film = Film::new(sim, options);
+    let mut film = Film::new(sim, options, images);
     let step = 100.0 * sim.world().step.seconds();
     let every = args.every.unwrap_or_else(|| libm::ceil(SHORTEST / step - 1e-9).max(1.0) as u64).max(1);
     let mut steps = 0;

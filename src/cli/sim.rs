@@ -16,14 +16,14 @@ use crate::sim::{
     parse_script,
 };
 use crate::source::Files;
-use crate::view::Recorder;
+use crate::view::{Images, Recorder};
 use crate::watch::{Meter, Watch};
 
 use super::Exit;
 use super::animation;
 use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
-use super::pictures::{Outcome, marks, save_svg};
+use super::pictures::{self, Outcome, marks, save_svg};
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
 use super::watches::Interrupt;
@@ -71,6 +71,15 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         None => None,
     };
     let mut report = Report::new(&sim);
+    let shows = args.svg.is_some() || args.animation.gif.is_some();
+    let images = if shows { pictures::images(&loaded.program, file) } else { Ok(Images::default()) };
+    let images = match images {
+        Ok(images) => images,
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    };
     let mut recorder = args.svg.is_some().then(|| Recorder::new(&sim));
     let ended = drive(&sim, (&script, args.chance), frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
@@ -95,14 +104,14 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         let inputs = script.text(&loaded.program, world);
         let outcome = report.outcome(&inputs, &ended, unmet.is_empty());
         let run = recorder.finish(&report.last, outcome.marks.clone());
-        if let Err(error) = save_svg(path, (&loaded.program, world), &run, &outcome) {
+        if let Err(error) = save_svg(path, (&loaded.program, world), &run, &outcome, &images) {
             plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
             return Ok(Exit::Refused);
         }
     }
     if let Some(path) = &args.animation.gif {
         let runs = (&script, args.chance);
-        if let Err(why) = animation::save(path, &args.animation, &sim, runs, frames, &Interrupt::new()) {
+        if let Err(why) = animation::save(path, (&args.animation, &images), &sim, runs, frames, &Interrupt::new()) {
             plain_error(&why.words(path))?;
             return Ok(Exit::Refused);
         }

@@ -3,7 +3,7 @@
 
 use std::cmp::Reverse;
 
-use crate::ir::{EntityId, Expr, Program, Push, TagSet, World};
+use crate::ir::{EntityId, Expr, Look, Program, Push, TagSet, World, WorldId};
 
 use super::goal::touched;
 
@@ -36,6 +36,8 @@ pub(super) struct Appearance {
     pub class: &'static str,
     /// The names of the tags.
     pub name: String,
+    /// What the program says that it looks like.
+    pub look: Option<Look>,
 }
 
 /// The appearances of all static geometry.
@@ -46,7 +48,8 @@ pub(super) struct Appearances {
 
 impl Appearances {
     /// The appearances in a world; `wanted` are the tags that the goal names.
-    pub fn new(program: &Program, world: &World, wanted: TagSet) -> Appearances {
+    pub fn new(program: &Program, id: WorldId, wanted: TagSet) -> Appearances {
+        let world = &program.worlds[id];
         // Number of tiles and of solids with each set of tags.
         let mut counts: Vec<(TagSet, [usize; 2])> = Vec::new();
         let mut count = |tags: TagSet, more: [usize; 2]| match counts.iter_mut().find(|(set, _)| *set == tags) {
@@ -70,7 +73,11 @@ impl Appearances {
             .map(|(tags, [tiles, solids])| (role(program, world, tags), tags, tiles, solids))
             // Tiles of scenery that cover nearly everything are treated as air.
             .filter(|(role, tags, tiles, solids)| {
-                *tags != TagSet::default() && (*role != Role::Scenery || *solids > 0 || AIR * tiles < all.max(1))
+                *tags != TagSet::default()
+                    && (program.looks.of_tags(id, *tags).is_some()
+                        || *role != Role::Scenery
+                        || *solids > 0
+                        || AIR * tiles < all.max(1))
             })
             .map(|(role, tags, tiles, solids)| (role, tags, tiles + solids))
             .collect();
@@ -91,7 +98,8 @@ impl Appearances {
                 Role::ForOthers => "dim",
                 Role::Scenery => "scenery",
             };
-            appearances.list.push(Appearance { tags, role, class, name });
+            let look = program.looks.of_tags(id, tags).cloned();
+            appearances.list.push(Appearance { tags, role, class, name, look });
         }
         appearances
     }

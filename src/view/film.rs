@@ -3,17 +3,19 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Bounds, PlayerId, Program, SpaceId, TagSet, World};
+use crate::ir::{Bounds, Collider, Look, PlayerId, Program, SpaceId, TagSet, World};
 use crate::sim::{Instance, Simulator};
 
-use super::appearance::{Appearances, Role, for_players};
-use super::body::{Body, pushes};
+use super::appearance::{Appearance, Appearances, Role, for_players};
+use super::body::{Body, outline, pushes};
 use super::canvas::{Area, Canvas, Paint};
 use super::extent::{Visits, extent};
 use super::frame::{moved, shared};
 use super::goal::{Form, Goal};
+use super::look::Images;
 use super::palette::{self, Scheme};
 use super::route::drawn;
+use super::track::Part;
 
 /// Size of a picture if none is asked for, and the largest scale then, in pixels.
 const TARGET: (f64, f64) = (640.0, 480.0);
@@ -41,6 +43,7 @@ pub struct Film<'s> {
     scheme: Scheme,
     appearances: Appearances,
     goals: Vec<Goal>,
+    images: &'s Images,
     /// For each space what there is to see.
     extents: Vec<Bounds>,
     canvas: Canvas,
@@ -59,7 +62,7 @@ struct Camera {
 
 impl<'s> Film<'s> {
     /// For a world. The size of its pictures never changes.
-    pub fn new(sim: &'s Simulator, options: FilmOptions) -> Film<'s> {
+    pub fn new(sim: &'s Simulator, options: FilmOptions, images: &'s Images) -> Film<'s> {
         let (program, world): (&Program, &World) = (sim.program(), sim.world());
         let hero = world.players.get(PlayerId(0)).map(|player| player.slot);
         let body = hero.map(|hero| Body::new(program, world, hero)).unwrap_or_default();
@@ -81,8 +84,9 @@ impl<'s> Film<'s> {
             sim,
             scale,
             scheme,
-            appearances: Appearances::new(program, world, wanted),
+            appearances: Appearances::new(program, sim.world_id(), wanted),
             goals,
+            images,
             extents,
             canvas: Canvas::new(side(width, most.0), side(height, most.1), scheme.air),
             camera: None,
@@ -204,13 +208,15 @@ impl<'s> Film<'s> {
                     let Some(appearance) = kinds[kind].filter(|_| !broken.contains(&(column, row))) else { continue };
                     let appearance = &self.appearances.list[appearance];
                     let area = place.area(Bounds::new(map.rectangle(row * map.columns + column)));
-                    let paint = self.scheme.tile(appearance.class);
-                    match map.kinds[kind].slope {
-                        Some(slope) => {
+                    let paint = tile_paint(&self.scheme, appearance);
+                    let image = appearance.look.as_ref().and_then(|look| self.images.image(look));
+                    match (map.kinds[kind].slope, image) {
+                        (None, Some(image)) => self.canvas.image(area, image, [0, 0, image.width, image.height]),
+                        (Some(slope), _) => {
                             let top = |height: f64| area[3] - height * self.scale;
                             self.canvas.slope(area, (top(slope.left), top(slope.right)), paint);
                         }
-                        None => self.canvas.fill(area, paint),
+                        (None, None) => self.canvas.fill(area, paint),
                     }
                     if appearance.role == Role::OneWay {
                         let lip = [area[0], area[1], area[2], area[1] + 1.5 * self.scale];
@@ -225,7 +231,12 @@ impl<'s> Film<'s> {
         for solid in &space.solids {
             let appearance = self.appearances.of(solid.tags).map(|index| &self.appearances.list[index]);
             if let Some(appearance) = appearance {
-                self.canvas.fill(place.area(solid.bounds), self.scheme.tile(appearance.class));
+                match appearance.look.as_ref().and_then(|look| self.images.image(look)) {
+                    Some(image) => {
+                        self.canvas.image(place.whole(solid.bounds), image, [0, 0, image.width, image.height]);
+                    }
+                    None => self.canvas.fill(place.area(solid.bounds), tile_paint(&self.scheme, appearance)),
+                }
             }
         }
         for link in &space.links {
@@ -261,6 +272,19 @@ impl<'s> Film<'s> {
         let colliders = &instance.entity().colliders;
         let player = world.players.iter().position(|player| player.slot == instance.slot());
         let mut parts: Vec<_> = instance.colliders().map(|(id, bounds)| (&colliders[id], bounds)).collect();
+        let look = program.look_of(self.sim.world_id(), instance.slot());
+        if let Some(image) = look.and_then(|look| self.images.image(look)) {
+            let part = |(collider, bounds): &(&Collider, Bounds)| Part {
+                bounds: *bounds,
+                round: collider.shape.is_round(),
+                tags: collider.tags,
+            };
+            let shown = outline(world, &parts.iter().map(part).collect::<Vec<_>>());
+            if let Some(whole) = shown.iter().map(|part| moved(part.bounds, at)).reduce(Bounds::join) {
+                self.canvas.image(place.whole(whole), image, [0, 0, image.width, image.height]);
+            }
+            return;
+        }
         // Sensors are drawn over bodies.
         parts.sort_by_key(|(collider, _)| !pushes(world, collider.tags));
         let size = |b: &Bounds| (b.right - b.left) * (b.top - b.bottom);
@@ -280,6 +304,7 @@ impl<'s> Film<'s> {
                 (None, Some(Role::Solid | Role::OneWay)) => self.scheme.block,
                 (None, _) => self.scheme.thing,
             };
+            let color = look.and_then(Look::rgb).map_or(color, |rgb| Paint { rgb, opacity: 1.0 });
             let area = place.area(moved(bounds, at));
             let edge = palette::edge(color);
             let thick = (self.scale / 2.0).clamp(1.0, 2.0);
@@ -300,6 +325,12 @@ impl<'s> Film<'s> {
     }
 }
 
+/// The colour of tiles: that of their look, or that of their class.
+fn tile_paint(scheme: &Scheme, appearance: &Appearance) -> Paint {
+    let own = appearance.look.as_ref().and_then(Look::rgb);
+    own.map_or_else(|| scheme.tile(appearance.class), |rgb| Paint { rgb, opacity: 1.0 })
+}
+
 /// The transformation from the game to pixels.
 #[derive(Debug, Clone, Copy)]
 struct Place {
@@ -312,6 +343,12 @@ impl Place {
         [(x - self.view.left) * self.scale, (self.view.top - y) * self.scale]
     }
 
+    /// A rectangle in pixels.
+    fn whole(self, b: Bounds) -> Area {
+        let ([left, top], [right, bottom]) = (self.point([b.left, b.top]), self.point([b.right, b.bottom]));
+        [left, top, right, bottom]
+    }
+
     /// A rectangle in pixels, cut a little outside of the picture.
     fn area(self, b: Bounds) -> Area {
         let around = Bounds {
@@ -320,8 +357,6 @@ impl Place {
             bottom: b.bottom.max(self.view.bottom - 64.0),
             top: b.top.min(self.view.top + 64.0),
         };
-        let ([left, top], [right, bottom]) =
-            (self.point([around.left, around.top]), self.point([around.right, around.bottom]));
-        [left, top, right, bottom]
+        self.whole(around)
     }
 }

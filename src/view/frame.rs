@@ -83,6 +83,12 @@ impl Frame {
         (first <= last).then_some([start, end])
     }
 
+    /// A whole rectangle in the picture.
+    pub fn place(&self, b: Bounds) -> Rect {
+        let [x, y] = self.point([b.left, b.top]);
+        Rect { x, y, width: (b.right - b.left) * self.scale, height: (b.top - b.bottom) * self.scale }
+    }
+
     /// The visible part of a rectangle, if any.
     pub fn cut(&self, b: Bounds) -> Option<Rect> {
         let [left, top] = self.point([b.left.max(self.view.left), b.top.min(self.view.top)]);

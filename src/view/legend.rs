@@ -4,7 +4,9 @@ use crate::ir::{Origin, Space};
 
 use super::appearance::Role;
 use super::body::pushes;
+use super::frame::Rect;
 use super::heat::{self, LEVELS};
+use super::look;
 use super::panel::{HEROES, PictureContext};
 use super::svg::{Number, escaped, put, shortened, text_width};
 use super::track::Track;
@@ -21,6 +23,8 @@ const APART: f64 = 22.0;
 /// The sign of an entry, drawn in a box of `SWATCH` by 14.
 enum Sign {
     Box(String),
+    /// With its style, and the symbol of its picture.
+    Tile(String, String, Option<String>),
     Goal,
     /// With the class of the player's colour.
     Route(&'static str),
@@ -107,7 +111,10 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
             Role::ForOthers => " (no contact with players)",
             Role::Sensed | Role::Solid => "",
         };
-        entries.push((Sign::Box(format!("tile {}", appearance.class)), format!("{}{note}", appearance.name)));
+        let look = appearance.look.as_ref();
+        let symbol = look.and_then(|look| context.picture.images.symbol(look));
+        let sign = Sign::Tile(format!("tile {}", appearance.class), look::fill(look), symbol);
+        entries.push((sign, format!("{}{note}", appearance.name)));
     }
     if context.world.spaces.iter().any(|space| !space.links.is_empty()) {
         entries.push((Sign::Box("link".into()), "link to another place".into()));
@@ -142,8 +149,12 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
 fn draw_sign(out: &mut String, sign: &Sign, x: f64, y: f64) {
     let (left, top, center) = (Number(x), Number(y), Number(y + 7.0));
     match sign {
-        Sign::Box(class) => {
-            put!(out, "<rect class=\"{class}\" x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"14\"/>\n");
+        Sign::Box(class) => draw_sign(out, &Sign::Tile(class.clone(), String::new(), None), x, y),
+        Sign::Tile(_, _, Some(symbol)) => {
+            look::draw(out, symbol, Rect { x: x + (SWATCH - 14.0) / 2.0, y, width: 14.0, height: 14.0 });
+        }
+        Sign::Tile(class, style, None) => {
+            put!(out, "<rect class=\"{class}\"{style} x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"14\"/>\n");
             if class.ends_with("cloud") {
                 put!(out, "<rect class=\"tile lip\" x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"3\"/>\n");
             }

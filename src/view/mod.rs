@@ -9,6 +9,7 @@
 //! | `frame`, `extent` | the transformation to the picture; the visible part of a space |
 //! | `appearance` | the colours of kinds of tiles |
 //! | `tiles`, `heat`, `tree`, `route`, `trail`, `goal`, `body` | the layers |
+//! | `look` | the colours and pictures that a program gives to things |
 //! | `label`, `legend`, `style`, `svg` | names that do not cover each other, the legend, colours, numbers |
 
 mod appearance;
@@ -22,6 +23,7 @@ mod grid;
 mod heat;
 mod label;
 mod legend;
+mod look;
 mod palette;
 mod panel;
 mod picture;
@@ -36,6 +38,7 @@ mod tree;
 
 pub use canvas::{Canvas, Image, Paint};
 pub use film::{Film, FilmOptions};
+pub use look::Images;
 pub use palette::{ColorTable, Colors};
 pub use picture::{Node, Picture, picture_svg};
 pub use record::Recorder;

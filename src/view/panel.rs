@@ -1,9 +1,9 @@
 //! The panel of a space, layer by layer: the level, the visits, the tree, the instances, the goal, the path, names.
 
-use crate::ir::{Bounds, Origin, Period, Program, SlotId, SpaceId, World};
+use crate::ir::{Bounds, Origin, Period, Program, SlotId, SpaceId, World, WorldId};
 
 use super::appearance::{Appearances, Role, for_players};
-use super::body::{Body, placed, position, pushes};
+use super::body::{Body, outline, placed, position, pushes};
 use super::extent::Visits;
 use super::frame::{Frame, Rect};
 use super::goal::{Form, Goal};
@@ -13,7 +13,7 @@ use super::picture::{Node, Picture};
 use super::route::{self, Route, crosses, jumps};
 use super::svg::{Number, escaped, line_data, put};
 use super::track::Track;
-use super::{tiles, trail, tree};
+use super::{look, tiles, trail, tree};
 
 /// Maximum number of lines of the tree and of rectangles of the heat map in the whole picture.
 const MAX_LINES: usize = 16_000;
@@ -33,6 +33,7 @@ const SAME_NAME: f64 = 280.0;
 /// The data that all panels share.
 pub(super) struct PictureContext<'a> {
     pub program: &'a Program,
+    pub id: WorldId,
     pub world: &'a World,
     pub picture: &'a Picture<'a>,
     pub appearances: Appearances,
@@ -67,13 +68,18 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
         heat::draw(out, frame, nodes.map(|node| place(context, node)), cell, MAX_HEAT / context.visited);
     }
     if let Some(map) = &space.map {
-        tiles::draw(out, frame, map, &context.appearances);
+        tiles::draw(out, frame, map, &context.appearances, (context.picture.images, id));
     }
     for solid in &space.solids {
         let appearance =
             context.appearances.of(solid.tags).and_then(|appearance| context.appearances.list.get(appearance));
         if let (Some(rect), Some(appearance)) = (frame.cut(solid.bounds), appearance) {
-            rectangle(out, &format!("tile {}", appearance.class), rect, &appearance.name);
+            let symbol = appearance.look.as_ref().and_then(|look| context.picture.images.symbol(look));
+            let style = look::fill(appearance.look.as_ref());
+            styled_rectangle(out, &format!("tile {}", appearance.class), &style, rect, &appearance.name);
+            if let Some(symbol) = symbol {
+                look::draw(out, &symbol, rect);
+            }
         }
     }
     if visits.count > 0 {
@@ -224,6 +230,8 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
     let mut unnamed: Vec<Name> = Vec::new();
     for (of, slot) in here {
         let body = Body::new(context.program, context.world, of);
+        let own_look = context.program.look_of(context.id, of);
+        let symbol = own_look.and_then(|look| context.picture.images.symbol(look));
         let player = context.world.players.iter().position(|player| player.slot == of);
         let is_requested = context
             .goals
@@ -242,14 +250,27 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
             };
             let class = if is_sensor { format!("{class} sensor") } else { class.to_string() };
             let class = class.as_str();
+            around = Some(around.map_or(rect, |other| union(other, rect)));
+            // The picture stands for the body.
+            if symbol.is_some() && !is_sensor {
+                continue;
+            }
+            let style = look::body(own_look, is_sensor);
             if part.round {
                 let center = [(bounds.left + bounds.right) / 2.0, (bounds.bottom + bounds.top) / 2.0];
                 let radius = (bounds.right - bounds.left) / 2.0 * frame.scale;
-                circle(out, class, frame.point(center), radius, &slot.name);
+                styled_circle(out, class, &style, frame.point(center), radius, &slot.name);
             } else {
-                rectangle(out, class, rect, &slot.name);
+                styled_rectangle(out, class, &style, rect, &slot.name);
             }
-            around = Some(around.map_or(rect, |other| union(other, rect)));
+        }
+        if let Some(symbol) = &symbol {
+            let shown = outline(context.world, &body.parts);
+            let whole = shown.iter().map(|part| placed(part, slot)).reduce(Bounds::join);
+            let whole = whole.filter(|bounds| frame.cut(*bounds).is_some());
+            if let Some(bounds) = whole {
+                look::draw(out, symbol, frame.place(bounds));
+            }
         }
         if around.is_none() && frame.holds(position(slot)) {
             // Of unknown size: a diamond.
@@ -287,13 +308,21 @@ fn union(a: Rect, b: Rect) -> Rect {
 }
 
 fn rectangle(out: &mut String, class: &str, r: Rect, title: &str) {
+    styled_rectangle(out, class, "", r, title);
+}
+
+fn styled_rectangle(out: &mut String, class: &str, style: &str, r: Rect, title: &str) {
     let (x, y, width, height) = (Number(r.x), Number(r.y), Number(r.width), Number(r.height));
-    put!(out, "<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
+    put!(out, "<rect class=\"{class}\"{style} x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
     close(out, "rect", title);
 }
 
-fn circle(out: &mut String, class: &str, [x, y]: [f64; 2], radius: f64, title: &str) {
-    put!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{}\"", Number(x), Number(y), Number(radius));
+fn circle(out: &mut String, class: &str, at: [f64; 2], radius: f64, title: &str) {
+    styled_circle(out, class, "", at, radius, title);
+}
+
+fn styled_circle(out: &mut String, class: &str, style: &str, [x, y]: [f64; 2], radius: f64, title: &str) {
+    put!(out, "<circle class=\"{class}\"{style} cx=\"{}\" cy=\"{}\" r=\"{}\"", Number(x), Number(y), Number(radius));
     close(out, "circle", title);
 }
 

@@ -9,6 +9,7 @@ use super::frame::Frame;
 use super::goal::Goal;
 use super::grid::{Fold, Grid, HEAD, MARGIN, folded};
 use super::legend;
+use super::look::Images;
 use super::panel::{self, PictureContext};
 use super::route::{Route, segments};
 use super::style::STYLE;
@@ -44,6 +45,8 @@ pub struct Picture<'a> {
     pub run: &'a Run,
     /// Lines under the title.
     pub notes: &'a [String],
+    /// The pictures that looks name.
+    pub images: &'a Images,
 }
 
 /// Minimum width of the picture without its margins.
@@ -63,8 +66,8 @@ struct Panel {
 }
 
 /// Draws the spaces of a world with a run, and with the visits and the tree of a search, as self-contained SVG.
-pub fn picture_svg(program: &Program, world: WorldId, picture: &Picture<'_>) -> String {
-    let world = &program.worlds[world];
+pub fn picture_svg(program: &Program, id: WorldId, picture: &Picture<'_>) -> String {
+    let world = &program.worlds[id];
     let hero = world.players.get(PlayerId(0)).map(|player| player.slot);
     let body = hero.map(|hero| Body::new(program, world, hero)).unwrap_or_default();
     let middle = body.middle();
@@ -82,9 +85,10 @@ pub fn picture_svg(program: &Program, world: WorldId, picture: &Picture<'_>) -> 
     let is_player = |track: &Track| world.slots[track.slot].player.is_some();
     let context = PictureContext {
         program,
+        id,
         world,
         picture,
-        appearances: Appearances::new(program, world, wanted),
+        appearances: Appearances::new(program, id, wanted),
         goals,
         routes,
         ways: picture.run.tracks.iter().filter(|track| !is_player(track) && is_way(track)).collect(),
@@ -96,6 +100,7 @@ pub fn picture_svg(program: &Program, world: WorldId, picture: &Picture<'_>) -> 
     let width = grid.width().max(MIN_WIDTH);
 
     let mut out = String::new();
+    picture.images.define(&mut out);
     let mut y = title(&mut out, &world.name, picture, width);
     for (index, panel) in panels.iter().enumerate() {
         let (x, top) = grid.place(index);

@@ -9,11 +9,12 @@ use crate::ir::GoalId;
 use crate::reach::query::{Answer, Found, Session};
 use crate::reach::{Verdict, Visited};
 use crate::sim::{Script, Simulator};
-use crate::view::{Node, Picture, Recorder, Run, picture_svg};
+use crate::view::{Images, Node, Picture, Recorder, Run, picture_svg};
 use crate::watch::Watch;
 
 use super::text::notes;
 use crate::cli::args::ReachArgs;
+use crate::cli::pictures::images;
 use crate::cli::refusal::Refusal;
 use crate::cli::sim::{drive, save_script};
 
@@ -68,7 +69,8 @@ impl<'d> Destination<'d> {
             saved.inputs = Some(path);
         }
         if let Some(path) = self.picture() {
-            write(&path, picture(session, found, answer, watch)).map_err(|error| cannot(&path, error))?;
+            let images = images(session.simulator().program(), &self.args.file).map_err(Refusal::Plain)?;
+            write(&path, picture(session, found, answer, &images, watch)).map_err(|error| cannot(&path, error))?;
             saved.picture = Some(path);
         }
         Ok(saved)
@@ -90,7 +92,7 @@ impl<'d> Destination<'d> {
 }
 
 /// The picture of a search.
-fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Watch) -> String {
+fn picture(session: &Session, found: &Found<'_>, answer: &Answer, images: &Images, watch: &dyn Watch) -> String {
     let node = |v: &Visited| Node { parent: v.parent, space: v.space, at: v.at };
     let nodes: Vec<Node> = found.outcome.record.iter().map(node).collect();
     let sim = session.simulator();
@@ -108,6 +110,7 @@ fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Wa
         nodes: &nodes,
         run: &run,
         notes: &notes,
+        images,
     };
     picture_svg(sim.program(), sim.world_id(), &picture)
 }

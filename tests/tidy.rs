@@ -28,7 +28,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
     ("reach", &["source", "watch", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
-    ("view", &["ir"]),
+    ("view", &["ir", "sim"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
     (

@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use crate::support::{Disk, compile_text, program, sized};
 use hypedc::compile::compile;
-use hypedc::ir::{Program, SpaceId, WorldId};
+use hypedc::ir::{Bounds, GoalId, Program, SlotId, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
-use hypedc::view::{Node, Search, Stop, search_svg};
+use hypedc::view::{Images, Node, Part, Picture, Pose, Recorder, Run, Stop, Track, picture_svg};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -29,9 +29,17 @@ const EXAMPLES: [&str; 6] = [
 const OPEN: usize = 3_000;
 
 /// A tree of random inputs, and the way to the node whose place was found last of all places.
+#[derive(Default)]
 struct Walk {
     nodes: Vec<Node>,
-    path: Vec<Stop>,
+    run: Run,
+}
+
+impl Walk {
+    /// The stops of the first player.
+    fn path(&self) -> &[Stop] {
+        self.run.tracks.first().map_or(&[], |track| &track.stops)
+    }
 }
 
 /// Grows a tree from states in places that few nodes have been in.
@@ -95,17 +103,17 @@ fn walk(program: &Arc<Program>, count: usize) -> Walk {
         way.push(at);
         at = nodes[at].parent as usize;
     }
-    let (mut state, mut path, mut last) = (root, Vec::new(), None);
+    let (mut state, mut recorder, mut step) = (root, Recorder::new(&sim), 0);
+    recorder.observe(0, &Input::nothing(1), &state);
     for &id in way.iter().rev() {
         let (input, steps) = &inputs[id];
         for _ in 0..*steps {
             sim.step(&mut state, input, &mut scratch).unwrap();
-            let (x, y) = sim.position(&state, player);
-            path.push(Stop { space: space(&state), at: [x, y], changes: last != Some(input) });
-            last = Some(input);
+            step += 1;
+            recorder.observe(step, input, &state);
         }
     }
-    Walk { nodes, path }
+    Walk { nodes, run: recorder.finish(&state, Vec::new()) }
 }
 
 fn example(path: &str) -> Arc<Program> {
@@ -114,8 +122,25 @@ fn example(path: &str) -> Arc<Program> {
 
 fn draw(program: &Program, walk: &Walk, notes: &[String]) -> String {
     let goal = program.worlds[WORLD].goals.iter().next().map_or("none", |goal| &goal.name);
-    let verdict = if walk.path.is_empty() { "not found" } else { "reached" };
-    search_svg(program, WORLD, &Search { goal, verdict, nodes: &walk.nodes, path: &walk.path, notes })
+    draw_goal(program, walk, goal, notes)
+}
+
+fn draw_goal(program: &Program, Walk { nodes, run }: &Walk, title: &str, notes: &[String]) -> String {
+    let is_good = !run.tracks.is_empty();
+    let goals: Vec<GoalId> = program.worlds[WORLD].goal_named(title).into_iter().collect();
+    let result = if is_good { "reached" } else { "not found" };
+    picture_svg(
+        program,
+        WORLD,
+        &Picture { title, result, is_good, goals: &goals, nodes, run, notes, images: &Images::default() },
+    )
+}
+
+/// A run of the first player without shapes.
+fn run(stops: Vec<Stop>) -> Run {
+    let poses = stops.iter().map(|stop| Pose { space: stop.space, at: stop.at, parts: Vec::new() }).collect();
+    let track = Track { slot: SlotId(0), stops, poses, is_destroyed: false };
+    Run { tracks: vec![track], marks: Vec::new() }
 }
 
 /// The numbers in the data of a path, with the letter before each.
@@ -219,7 +244,7 @@ fn pictures_of_the_examples_are_valid_and_keep_to_their_frame() {
     for path in EXAMPLES {
         let program = example(path);
         let walk = walk(&program, 4_000);
-        assert!(walk.nodes.len() > 500 && walk.path.len() > 20, "{path}: {}", walk.nodes.len());
+        assert!(walk.nodes.len() > 500 && walk.path().len() > 20, "{path}: {}", walk.nodes.len());
         let svg = draw(&program, &walk, &["4,000 nodes".into(), "a < b & \"c\"".into()]);
         let classes = check(&svg);
         for class in ["title", "tree", "heat", "route", "dot", "start", "end", "ghost", "air"] {
@@ -234,7 +259,7 @@ fn pictures_of_the_examples_are_valid_and_keep_to_their_frame() {
 fn a_picture_without_a_search_shows_the_level() {
     for path in EXAMPLES {
         let program = example(path);
-        let classes = check(&draw(&program, &Walk { nodes: Vec::new(), path: Vec::new() }, &[]));
+        let classes = check(&draw(&program, &Walk::default(), &[]));
         assert!(classes.contains_key("hero") && classes.keys().any(|class| class.starts_with("tile ")), "{path}");
         for class in ["tree", "route", "dot", "start", "end", "ghost"] {
             assert!(!classes.contains_key(class), "{path} has {class}");
@@ -262,8 +287,9 @@ fn what_is_out_of_reach_of_the_picture_is_left_out() {
     let at = [[8.0, 64.0], [f32::NAN, 64.0], [1e30, f32::INFINITY], [-5e6, 2.0], [40.0, 70.0]];
     let nodes: Vec<Node> = at.iter().map(|&at| Node { parent: 0, space: SpaceId(0), at }).collect();
     let at = [[8.0, 64.0], [9.0, 64.0], [1e12, -1e12], [f64::NAN, 0.0], [20.0, 64.0]];
-    let path = at.iter().map(|&at| Stop { space: SpaceId(0), at, changes: true }).collect();
-    let classes = check(&draw(&program, &Walk { nodes, path }, &[]));
+    let stop = |(step, &at)| Stop { step, space: SpaceId(0), at, changes: true, jumps: false };
+    let run = run((0..).zip(&at).map(stop).collect());
+    let classes = check(&draw(&program, &Walk { nodes, run }, &[]));
     // The legend has one of each, too, but for the tree's.
     assert_eq!((classes["tree"], classes["route"], classes["dot"]), (1, 1 + 1, 2 + 1));
 }
@@ -321,23 +347,30 @@ world Rooms {
 fn rooms() -> (Arc<Program>, Walk) {
     let program = program(compile_text(ROOMS));
     let (cave, yard) = (SpaceId(0), SpaceId(1));
-    let stop = |space: SpaceId, x: f64, y: f64, changes: bool| Stop { space, at: [x, y], changes };
-    let path = vec![
-        stop(cave, 24.0, 24.0, true),
-        stop(cave, 24.0, 40.0, false),
-        stop(cave, 24.0, 58.0, false),
-        stop(cave, 70.0, 28.0, false),
-        stop(cave, 50.0, 28.0, true),
-        stop(cave, 40.0, 46.0, true),
-        stop(yard, 8.0, 0.0, false),
-        stop(yard, 12.0, 8.0, true),
+    let at = [
+        (cave, [24.0, 24.0], true, false),
+        (cave, [24.0, 40.0], false, false),
+        (cave, [24.0, 58.0], false, false),
+        (cave, [70.0, 28.0], false, true),
+        (cave, [50.0, 28.0], true, false),
+        (cave, [40.0, 46.0], true, false),
+        (yard, [8.0, 0.0], false, true),
+        (yard, [12.0, 8.0], true, false),
     ];
-    let nodes = path.iter().enumerate().map(|(index, stop)| Node {
+    let stop = |(step, (space, at, changes, jumps))| Stop { step, space, at, changes, jumps };
+    let stops: Vec<Stop> = (0..).zip(at).map(stop).collect();
+    let nodes = stops.iter().enumerate().map(|(index, stop)| Node {
         parent: index.saturating_sub(1) as u32,
         space: stop.space,
         at: stop.at.map(|x| x as f32),
     });
-    (program, Walk { nodes: nodes.collect(), path })
+    let nodes = nodes.collect();
+    let entity = &program.entities[program.worlds[WORLD].slots[SlotId(0)].entity];
+    let tags = entity.colliders.iter().next().unwrap().tags;
+    let body = Part { bounds: Bounds::new([-4.0, -4.0, 8.0, 8.0]), round: false, tags };
+    let mut run = run(stops);
+    run.tracks[0].poses.iter_mut().for_each(|pose| pose.parts = vec![body]);
+    (program, Walk { nodes, run })
 }
 
 #[test]
@@ -370,8 +403,7 @@ fn the_path_is_cut_at_links_and_the_doors_are_numbered() {
 fn goals_are_drawn_where_they_lie() {
     let (program, walk) = rooms();
     let goals = |name: &str| {
-        let search = Search { goal: name, verdict: "reached", nodes: &walk.nodes, path: &walk.path, notes: &[] };
-        let svg = search_svg(&program, WORLD, &search);
+        let svg = draw_goal(&program, &walk, name, &[]);
         let document = roxmltree::Document::parse(&svg).unwrap();
         let drawn = document.descendants().filter(|node| node.attribute("class") == Some("goal"));
         let inside = drawn.filter(|node| node.parent().is_some_and(|group| is_panel(&group)));
@@ -414,10 +446,10 @@ world Hall {
 #[test]
 fn instances_look_as_they_do_at_first() {
     let program = program(compile_text(ARMED));
-    let path = vec![Stop { space: SpaceId(0), at: [0.0, 0.0], changes: false }];
-    let svg = draw(&program, &Walk { nodes: Vec::new(), path }, &[]);
+    let stop = Stop { step: 0, space: SpaceId(0), at: [0.0, 0.0], changes: false, jumps: false };
+    let svg = draw(&program, &Walk { nodes: Vec::new(), run: run(vec![stop]) }, &[]);
     let document = roxmltree::Document::parse(&svg).unwrap();
-    let rects = document.descendants().filter(|node| node.attribute("class") == Some("hero"));
+    let rects = document.descendants().filter(|node| node.attribute("class") == Some("hero sensor"));
     let inside = rects.filter(|node| node.parent().is_some_and(|group| is_panel(&group)));
     let size = |name: &str, node: roxmltree::Node<'_, '_>| node.attribute(name).unwrap().parse::<f64>().unwrap() / 4.0;
     let sizes: Vec<[f64; 2]> = inside.map(|node| [size("width", node), size("height", node)]).collect();
@@ -444,7 +476,7 @@ fn large_levels_make_small_pictures() {
     let text = text.replace("            #.==.#\n            #?..^~\n            ######\n", "");
     let text = text.replace("    space attic", &format!("{rooms}    space attic"));
     let program = program(compile_text(&text));
-    let svg = draw(&program, &Walk { nodes: Vec::new(), path: Vec::new() }, &[]);
+    let svg = draw(&program, &Walk::default(), &[]);
     assert_eq!(check(&svg)["head"], 63);
     assert!(svg.len() < 1_000_000, "{} bytes", svg.len());
 }

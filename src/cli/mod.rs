@@ -5,6 +5,7 @@
 #![allow(clippy::disallowed_methods, reason = "seconds are a matter of the command line")]
 
 mod about;
+mod animation;
 mod args;
 mod bounds;
 mod check;
@@ -20,6 +21,7 @@ mod ir;
 #[cfg(feature = "lsp")]
 mod lsp;
 mod new;
+mod pictures;
 mod play;
 mod reach;
 mod refusal;

@@ -16,11 +16,14 @@ use crate::sim::{
     parse_script,
 };
 use crate::source::Files;
+use crate::view::{Images, Recorder};
 use crate::watch::{Meter, Watch};
 
 use super::Exit;
+use super::animation;
 use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
+use super::pictures::{self, Outcome, marks, save_svg};
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
 use super::watches::Interrupt;
@@ -68,9 +71,22 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         None => None,
     };
     let mut report = Report::new(&sim);
+    let shows = args.svg.is_some() || args.animation.gif.is_some();
+    let images = if shows { pictures::images(&loaded.program, file) } else { Ok(Images::default()) };
+    let images = match images {
+        Ok(images) => images,
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    };
+    let mut recorder = args.svg.is_some().then(|| Recorder::new(&sim));
     let ended = drive(&sim, (&script, args.chance), frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
         report.record_events(step, scratch, state);
+        if let Some(recorder) = &mut recorder {
+            recorder.observe(step, input, state);
+        }
         trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))?;
         Ok(ControlFlow::Continue(()))
     })?;
@@ -84,6 +100,22 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     show(&loaded.sources, &report.findings(&loaded.program, world))?;
     let unmet = expected.unmet(&report);
     unmet.iter().try_for_each(|why| plain_error(why))?;
+    if let (Some(path), Some(recorder)) = (&args.svg, recorder) {
+        let inputs = script.text(&loaded.program, world);
+        let outcome = report.outcome(&inputs, &ended, unmet.is_empty());
+        let run = recorder.finish(&report.last, outcome.marks.clone());
+        if let Err(error) = save_svg(path, (&loaded.program, world), &run, &outcome, &images) {
+            plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+            return Ok(Exit::Refused);
+        }
+    }
+    if let Some(path) = &args.animation.gif {
+        let runs = (&script, args.chance);
+        if let Err(why) = animation::save(path, (&args.animation, &images), &sim, runs, frames, &Interrupt::new()) {
+            plain_error(&why.words(path))?;
+            return Ok(Exit::Refused);
+        }
+    }
     match ended {
         RunEnd::Done | RunEnd::LeftBounds | RunEnd::Enough => {}
         RunEnd::Fault(fault, step) => {
@@ -355,6 +387,24 @@ impl<'s> Report<'s> {
             out.report(BrokenInvariant { at, instance: slots[slot].name.clone(), step });
         }
         out
+    }
+
+    /// What a picture says about the run.
+    fn outcome<'o>(&self, script: &'o str, ended: &RunEnd, is_as_expected: bool) -> Outcome<'o> {
+        let end = match ended {
+            RunEnd::LeftBounds => Some("a player has left the bounds, which ends the run"),
+            RunEnd::Fault(..) => Some("a run-time error ended the run"),
+            RunEnd::Stopped(_) => Some("stopped before the last step"),
+            RunEnd::Done | RunEnd::Enough => None,
+        };
+        let is_whole = !matches!(ended, RunEnd::Fault(..) | RunEnd::Stopped(_));
+        Outcome {
+            steps: self.steps,
+            marks: marks(self.sim, &self.goals, &self.nevers),
+            is_good: is_as_expected && is_whole && !self.violated(),
+            end: end.map(str::to_string),
+            script,
+        }
     }
 
     fn violated(&self) -> bool {

@@ -84,6 +84,7 @@ codes! {
     BadLevel Error "E0507" "a level of an editor cannot be read"
     BadWrap Error "E0508" "a space cannot wrap"
     BadSlope Error "E0509" "a slope does not fit its tile"
+    BadLook Error "E0510" "a look is no colour and no picture"
 
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"

@@ -3,15 +3,15 @@
 
 use std::sync::Arc;
 
-use super::{Program, Spans};
+use super::{Looks, Program, Spans};
 
 impl Program {
-    /// The program without source locations, documentation and names of parameters: equal for texts with the same runs,
+    /// The program without source locations, documentation, looks and names of parameters: equal for texts with the same runs,
     /// questions and output.
     pub fn meaning(&self) -> Program {
-        let Program { tags, exprs, entities, worlds, spans: _ } = self;
+        let Program { tags, exprs, entities, worlds, looks: _, spans: _ } = self;
         let (tags, exprs, entities, worlds) = (tags.clone(), exprs.clone(), entities.clone(), worlds.clone());
-        let mut meaning = Program { tags, exprs, entities, worlds, spans: Spans::default() };
+        let mut meaning = Program { tags, exprs, entities, worlds, looks: Looks::default(), spans: Spans::default() };
         for entity in meaning.entities.iter_mut().map(Arc::make_mut) {
             entity.doc = None;
             entity.params.iter_mut().for_each(|param| param.name.clear());

@@ -8,9 +8,9 @@ use super::Spans;
 use super::actions::{Actions, Send, Signal, Spawn};
 use super::{
     Arena, Arithmetic, AxisId, ButtonId, Chance, ChanceId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId,
-    EnvelopeId, ExprId, FollowId, Function, GroupId, IdRange, IdVec, Inputs, LeafId, ModeId, ParamId, Press, ProbeId,
-    RareVec, RefId, SendId, Side, SignalId, SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId, World,
-    WorldId,
+    EnvelopeId, ExprId, FollowId, Function, GroupId, IdRange, IdVec, Inputs, LeafId, Looks, ModeId, ParamId, Press,
+    ProbeId, RareVec, RefId, SendId, Side, SignalId, SlotId, SpaceId, SpawnId, Subject, TagId, TimerId, TouchId, VarId,
+    World, WorldId,
 };
 
 /// A compiled program.
@@ -25,6 +25,9 @@ pub struct Program {
     pub entities: IdVec<EntityId, Arc<Entity>>,
     /// All worlds.
     pub worlds: IdVec<WorldId, Arc<World>>,
+    /// What things look like; no part of its meaning.
+    #[serde(default, skip_serializing_if = "Looks::is_empty")]
+    pub looks: Looks,
     /// Where each entry comes from.
     #[serde(default)]
     pub spans: Spans,

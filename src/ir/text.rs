@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Origin, Place, Press,
-    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Subject, TagSet, TileLayout, World,
+    Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Look, Origin, Place,
+    Press, Program, Push, RefValue, Release, Response, Send, SendId, Shape, Subject, TagSet, TileLayout, World,
 };
 
 /// Formats a program.
@@ -34,6 +34,13 @@ fn tags(p: &Program, set: TagSet) -> String {
     set.iter().filter_map(|t| p.tags.get(t).map(String::as_str)).collect::<Vec<_>>().join(", ")
 }
 
+fn look_text(look: &Look) -> String {
+    match look {
+        Look::Color(color) => color.clone(),
+        Look::Picture(path) => format!("\"{path}\""),
+    }
+}
+
 struct EntityText<'a> {
     p: &'a Program,
     e: &'a Entity,
@@ -42,7 +49,9 @@ struct EntityText<'a> {
 impl EntityText<'_> {
     fn write(&self, out: &mut String) -> Result {
         let (p, e) = (self.p, self.e);
-        writeln!(out, "entity {}", e.name)?;
+        let look = self.p.entities.find(|of| std::ptr::eq(&**of, e)).and_then(|id| p.looks.of_entity(id));
+        let look = look.map_or(String::new(), |look| format!("  look {}", look_text(look)));
+        writeln!(out, "entity {}{look}", e.name)?;
         for (id, param) in e.params.pairs() {
             writeln!(out, "  {id} {} = {}", param.name, self.expr(param.default))?;
         }

@@ -75,6 +75,20 @@ fn last_tags(checked: &Checked) -> BTreeMap<TagId, Option<TagId>> {
     last
 }
 
+/// Reports looks of tags that nothing has.
+fn looks(checked: &Checked, carried: &BTreeSet<TagId>, found: &mut Diagnostics) {
+    let texts = || carried.iter().map(|tag| checked.tags[*tag].text.as_str());
+    for (name, _) in checked.worlds.iter().flat_map(|world| &world.looks) {
+        let text = name.text.as_str();
+        if texts().any(|tag| tag == text) || checked.other_tags.contains(text) {
+            continue;
+        }
+        let near = similar(text, texts()).and_then(|near| checked.tags.iter().find(|tag| tag.text == near));
+        let near = near.map(|tag| (tag.text.to_string(), tag.span));
+        found.report(UncarriedTag { tag: text.to_string(), at: name.span, near, elsewhere: None, unasked: Vec::new() });
+    }
+}
+
 /// Reports tags that are queried but that nothing in the program has; returns the similar tags that it names. Where a
 /// map is open or there is no world, only words that are surely no tags.
 pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> BTreeSet<String> {
@@ -90,6 +104,9 @@ pub(super) fn tags(checked: &Checked, root: FileId, found: &mut Diagnostics) -> 
     // `touching(wall, bottom)` is read as a question about two tags.
     let last = last_tags(checked);
     let requested = requested(checked);
+    if is_complete {
+        looks(checked, &carried, found);
+    }
     let root = root_of(checked, root);
     let unasked = of_colliders.difference(&requested).map(|tag| &checked.tags[*tag]);
     let unasked = unasked.map(|tag| (tag.text.to_string(), tag.span));

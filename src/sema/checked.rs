@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crate::ir::{
-    Arithmetic, AxisId, ButtonId, ChanceId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EnvelopeId, Function,
-    GroupId, Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, SignalId, SlotId, SpaceId, Subject,
-    TagId, TouchId, VarId, WorldId,
+    Arithmetic, AxisId, ButtonId, ChanceId, ColliderId, CompareOp, DiscreteId, EdgeId, EntityId, EntityLook,
+    EnvelopeId, Function, GroupId, Id, IdVec, ModeId, ParamId, Place, Press, ProbeId, RareVec, RefId, SignalId, SlotId,
+    SpaceId, Subject, TagId, TouchId, VarId, WorldId,
 };
 
 pub use super::annotation::Annotation;
@@ -31,6 +31,8 @@ pub struct Checked {
     pub worlds: IdVec<WorldId, World>,
     /// Tags of tiles that no map of the program uses.
     pub other_tags: BTreeSet<String>,
+    /// The looks of entities.
+    pub entity_looks: Vec<EntityLook>,
     /// Tags of tiles that are declared breakable.
     pub breakable: BTreeSet<TagId>,
     /// Whether a world takes its map from the command line.

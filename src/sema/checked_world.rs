@@ -2,8 +2,8 @@
 
 use crate::ir::Period;
 use crate::ir::{
-    DiscreteId, EntityId, GoalId, IdVec, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId, TagId,
-    TileMap, VarId,
+    DiscreteId, EntityId, GoalId, IdVec, Look, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId,
+    TagId, TileMap, VarId,
 };
 
 use crate::source::Span;
@@ -32,6 +32,8 @@ pub struct World {
     pub instances: IdVec<SlotId, Instance>,
     /// The most instances of an entity that may be alive at once.
     pub limits: Vec<(EntityId, u32)>,
+    /// The looks of tags, in source order.
+    pub looks: Vec<(Name, Look)>,
     /// Its players.
     pub players: IdVec<PlayerId, Player>,
     /// What is looked for.

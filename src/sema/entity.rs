@@ -472,6 +472,7 @@ impl Checker<'_> {
             Member::Invariant(i) => (i.span, "an `invariant`"),
             Member::Condition(c) => (c.name.span, "a `condition`"),
             Member::Signals(list) => (list.1, "a `signal`"),
+            Member::Look(l) => (l.span, "a `look`"),
             Member::Follow(f) => (f.span, "`follow links`"),
             Member::Use(u) => (u.span, "a `use`"),
             Member::Edge(e) => (e.span, "an edge"),
@@ -492,6 +493,7 @@ impl Checker<'_> {
         self.entity_conditions(names, &scope);
         self.initial_values(&body.members, names, &mut entity, &scope);
         let (mut clamps, mut invariants) = (Vec::new(), Vec::new());
+        let mut looks: Table<()> = Table::new("the look of");
         for member in body.members {
             match member {
                 Member::Collider(c) => {
@@ -506,6 +508,7 @@ impl Checker<'_> {
                 }
                 Member::Envelope(envelope) => self.envelope(&envelope, &scope, &mut entity, None),
                 Member::Clamp(clamp) => clamps.extend(self.clamp(&clamp, &scope)),
+                Member::Look(look) => self.entity_look(&look, (id, &frozen.name), &mut looks),
                 Member::Invariant(invariant) => {
                     let scope = scope.reading(ReadLimit::State);
                     invariants.extend(self.guard(&invariant.predicate, &scope));

@@ -23,6 +23,7 @@ mod facts;
 mod foreign;
 mod joint;
 mod lasting;
+mod look;
 mod map;
 mod member;
 mod members;
@@ -161,6 +162,8 @@ struct Set {
 /// The shared state of this stage.
 struct Checker<'a> {
     sources: &'a SourceMap,
+    /// The file of the program.
+    root: FileId,
     /// The map of worlds with an open map.
     level: Level,
     /// The files of maps, by the span of their names.
@@ -209,6 +212,7 @@ impl<'a> Checker<'a> {
     fn new(files: &[ast::File], sources: &'a SourceMap, level: Level) -> Self {
         Checker {
             sources,
+            root: files.first().map_or(FileId(0), |file| file.id),
             level,
             texts: files.iter().flat_map(|f| f.texts.iter().copied()).collect(),
             checked: Checked::default(),

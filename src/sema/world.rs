@@ -49,6 +49,7 @@ impl Checker<'_> {
             spaces: IdVec::new(),
             instances: IdVec::new(),
             limits: Vec::new(),
+            looks: Vec::new(),
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
@@ -131,6 +132,7 @@ impl Checker<'_> {
         }
         self.named_tiles(&mut population);
         world.limits = self.limits(syntax, &mut population);
+        world.looks = self.tag_looks(syntax);
         self.placed_references(&mut population);
         world.instances = population.instances;
         let mut names = WorldNames::new(world.instances.iter().map(|i| (i.name.clone(), i.entity)).collect(), sizes);

@@ -156,6 +156,8 @@ pub enum Member {
     Condition(Box<Condition>),
     /// `signal a, b(number)`
     Signals(Box<(Vec<Signal>, Span)>),
+    /// `look #e04030`
+    Look(Box<Look>),
     /// `x' := e` at the head of a mode
     Entry(Box<Update>),
     /// `when guard -> target { … }`
@@ -166,6 +168,24 @@ pub enum Member {
     Follow(Box<Follow>),
     /// `use Name(…)`
     Use(Box<Use>),
+}
+
+/// `look #e04030`, `look "slime.png"`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The colour or the picture.
+    pub appearance: Appearance,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What something looks like, as written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Appearance {
+    /// `#e04030`
+    Color(Name),
+    /// The path of a picture.
+    Picture(Name),
 }
 
 /// `chance name: low..high`

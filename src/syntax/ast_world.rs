@@ -2,7 +2,7 @@
 
 use crate::source::Span;
 
-use super::ast::{Assignment, Condition, Expr, File, Item, Name};
+use super::ast::{Appearance, Assignment, Condition, Expr, File, Item, Name};
 
 /// `world Name { … }`
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +30,8 @@ pub enum WorldItem {
     Space(Box<Space>),
     /// `limit Entity 8`
     Limit(Box<Limit>),
+    /// `look coin, gem: #ffd040`
+    Look(Box<TagLook>),
     /// `player 1: hero`
     Player(Box<Player>),
     /// `condition name = predicate`
@@ -154,6 +156,17 @@ pub struct TileSpawn {
     pub span: Span,
     /// The whole.
     pub whole: Span,
+}
+
+/// `look coin, gem: #ffd040`
+#[derive(Debug, Clone, PartialEq)]
+pub struct TagLook {
+    /// The tags of what looks so.
+    pub tags: Vec<Name>,
+    /// The colour or the picture.
+    pub appearance: Appearance,
+    /// The whole.
+    pub span: Span,
 }
 
 /// `limit Entity 8`

@@ -14,9 +14,10 @@ use crate::diagnostic::catalogue::syntax::{TooManyErrors, Unexpected};
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    ALWAYS, Assignment, Behavior, BinaryOp, Chance, Clamp, Collider, Constant, Continuous, Destroy, Dimension,
-    Discrete, Domain, Edge, Entity, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item, Member,
-    Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World, is_start,
+    ALWAYS, Appearance, Assignment, Behavior, BinaryOp, Chance, Clamp, Collider, Constant, Continuous, Destroy,
+    Dimension, Discrete, Domain, Edge, Entity, Expr, ExprKind, File, Follow, Group, Import, Initial, Invariant, Item,
+    Look, Member, Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World,
+    is_start,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
 use super::scan::Scan;
@@ -446,6 +447,7 @@ impl<'a> Builder<'a> {
                 let signals = inner.iter().filter(|p| p.as_rule() == Rule::signal);
                 Member::Signals((signals.map(|p| self.signal(p)).collect::<Option<_>>()?, span).into())
             }
+            Rule::look => Member::Look(Look { appearance: self.appearance(inner.first()?)?, span }.into()),
             Rule::put => {
                 let arguments = match inner.get(1) {
                     Some(actuals) => self.actuals(actuals)?,
@@ -464,6 +466,16 @@ impl<'a> Builder<'a> {
             }
             Rule::envelope => Member::Envelope(self.envelope(pair)?.into()),
             _ => return None,
+        })
+    }
+
+    /// A colour or the path of a picture.
+    pub(super) fn appearance(&self, pair: &Pair<'_, Rule>) -> Option<Appearance> {
+        let inner = parts(pair);
+        let written = inner.first()?;
+        Some(match written.as_rule() {
+            Rule::color => Appearance::Color(self.name(written)),
+            _ => Appearance::Picture(self.name(written)),
         })
     }
 

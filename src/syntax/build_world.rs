@@ -5,7 +5,8 @@ use pest::iterators::Pair;
 use super::Rule;
 use super::ast::{
     Assignment, Breakable, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place,
-    Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, Tile, TileSpawn, Tiles, WorldItem, Wrap,
+    Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, TagLook, Tile, TileSpawn, Tiles, WorldItem,
+    Wrap,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -92,6 +93,10 @@ impl<'a> Builder<'a> {
             Rule::limit => {
                 let (entity, count) = (self.name(first), self.expression(inner.get(1)?)?);
                 WorldItem::Limit(Limit { entity, count, span }.into())
+            }
+            Rule::tag_look => {
+                let (tags, appearance) = (self.names(first), self.appearance(inner.get(1)?)?);
+                WorldItem::Look(TagLook { tags, appearance, span }.into())
             }
             Rule::player => {
                 let (number, instance) = (self.name(first), self.name(inner.get(1)?));

@@ -134,6 +134,7 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_signal
             | R::word_send
             | R::word_chance
+            | R::word_look
             | R::word_never
             | R::word_map
             | R::word_place
@@ -177,7 +178,7 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "chance",
     ];
     const OTHER: &[&str] =
-        &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use"];
+        &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use", "look"];
     let mut declaring = false;
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut first = true;

@@ -3,8 +3,8 @@
 use crate::source::{FileId, Span};
 
 use super::ast::{
-    Assignment, Constant, Dimension, Domain, Expr, ExprKind, Initial, Member, Name, Path, RampKind, Rate, Receivers,
-    Update, Variable,
+    Appearance, Assignment, Constant, Dimension, Domain, Expr, ExprKind, Initial, Member, Name, Path, RampKind, Rate,
+    Receivers, Update, Variable,
 };
 use super::scan::MAX_OPERATORS;
 
@@ -142,6 +142,12 @@ impl Substitution {
                     self.span(&mut signal.span);
                 }
                 self.span(span);
+            }
+            Member::Look(look) => {
+                match &mut look.appearance {
+                    Appearance::Color(name) | Appearance::Picture(name) => self.name(name),
+                }
+                self.span(&mut look.span);
             }
             Member::Flow(a) => self.assignment(a),
             Member::Entry(u) => self.update(u),

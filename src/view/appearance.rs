@@ -1,9 +1,9 @@
-//! Colours of kinds of tiles: by their role for the player first, then by their tags, so that the same tags look the
+//! Colours of kinds of tiles: by their role for the players first, then by their tags, so that the same tags look the
 //! same in every picture where possible.
 
 use std::cmp::Reverse;
 
-use crate::ir::{Program, Push, SlotId, TagSet, World};
+use crate::ir::{EntityId, Expr, Look, Program, Push, TagSet, World, WorldId};
 
 use super::goal::touched;
 
@@ -13,11 +13,13 @@ const ACCENTS: [&str; 6] = ["accent0", "accent1", "accent2", "accent3", "accent4
 /// Scenery that covers less than one tile in this number is not drawn.
 const AIR: usize = 4;
 
-/// The role of a tile or solid for the player.
+/// The role of a tile or solid for the players.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Role {
-    /// No contact.
+    /// No contact with anything.
     Scenery,
+    /// No contact with a player, but with others, or somebody looks for it.
+    ForOthers,
     /// Contact without a push.
     Sensed,
     /// Solid from above only.
@@ -34,6 +36,8 @@ pub(super) struct Appearance {
     pub class: &'static str,
     /// The names of the tags.
     pub name: String,
+    /// What the program says that it looks like.
+    pub look: Option<Look>,
 }
 
 /// The appearances of all static geometry.
@@ -44,38 +48,44 @@ pub(super) struct Appearances {
 
 impl Appearances {
     /// The appearances in a world; `wanted` are the tags that the goal names.
-    pub fn new(program: &Program, world: &World, player: Option<SlotId>, wanted: TagSet) -> Appearances {
-        // Number of tiles and solids with each set of tags.
-        let mut counts: Vec<(TagSet, usize)> = Vec::new();
-        let mut count = |tags: TagSet, more: usize| match counts.iter_mut().find(|(set, _)| *set == tags) {
-            Some((_, count)) => *count += more,
+    pub fn new(program: &Program, id: WorldId, wanted: TagSet) -> Appearances {
+        let world = &program.worlds[id];
+        // Number of tiles and of solids with each set of tags.
+        let mut counts: Vec<(TagSet, [usize; 2])> = Vec::new();
+        let mut count = |tags: TagSet, more: [usize; 2]| match counts.iter_mut().find(|(set, _)| *set == tags) {
+            Some((_, count)) => (0..2).for_each(|of| count[of] += more[of]),
             None => counts.push((tags, more)),
         };
-        let mut tiles = 0;
+        let mut all = 0;
         for space in world.spaces.iter() {
             if let Some(map) = &space.map {
                 let mut used = vec![0; map.kinds.len()];
                 map.cells.iter().for_each(|&kind| used[usize::from(kind)] += 1);
-                tiles += map.cells.len();
+                all += map.cells.len();
                 for (kind, used) in map.kinds.iter().zip(used).filter(|(_, used)| *used > 0) {
-                    count(kind.tags.iter().copied().collect(), used);
+                    count(kind.tags.iter().copied().collect(), [used, 0]);
                 }
             }
-            space.solids.iter().for_each(|solid| count(solid.tags, 1));
+            space.solids.iter().for_each(|solid| count(solid.tags, [0, 1]));
         }
         let mut kinds: Vec<(Role, TagSet, usize)> = counts
             .into_iter()
-            .map(|(tags, count)| (role(program, world, player, tags), tags, count))
-            // Scenery that covers nearly everything is treated as air.
-            .filter(|(role, tags, count)| {
-                *tags != TagSet::default() && (*role != Role::Scenery || AIR * count < tiles.max(1))
+            .map(|(tags, [tiles, solids])| (role(program, world, tags), tags, tiles, solids))
+            // Tiles of scenery that cover nearly everything are treated as air.
+            .filter(|(role, tags, tiles, solids)| {
+                *tags != TagSet::default()
+                    && (program.looks.of_tags(id, *tags).is_some()
+                        || *role != Role::Scenery
+                        || *solids > 0
+                        || AIR * tiles < all.max(1))
             })
+            .map(|(role, tags, tiles, solids)| (role, tags, tiles + solids))
             .collect();
         kinds.sort_by_key(|(role, _, count)| (Reverse(*role), Reverse(*count)));
-        let feared = player.map_or(TagSet::default(), |player| {
-            let nevers = world.nevers.iter().map(|never| touched(program, world, never.holds, player));
-            nevers.fold(TagSet::default(), TagSet::with)
-        });
+        let players = || world.players.iter().map(|player| player.slot);
+        let feared =
+            world.nevers.iter().flat_map(|never| players().map(|slot| touched(program, world, never.holds, slot)));
+        let feared = feared.fold(TagSet::default(), TagSet::with);
         let mut appearances = Appearances::default();
         for (role, tags, _) in kinds {
             let name = names(program, tags);
@@ -85,9 +95,11 @@ impl Appearances {
                 _ if wanted.meets(tags) => "wanted",
                 _ if feared.meets(tags) => "feared",
                 Role::Sensed => appearances.unused(&ACCENTS, &name),
+                Role::ForOthers => "dim",
                 Role::Scenery => "scenery",
             };
-            appearances.list.push(Appearance { tags, role, class, name });
+            let look = program.looks.of_tags(id, tags).cloned();
+            appearances.list.push(Appearance { tags, role, class, name, look });
         }
         appearances
     }
@@ -106,17 +118,34 @@ impl Appearances {
     }
 }
 
-/// The role of tiles with some tags for the player: the strongest for any of its colliders.
-pub(super) fn role(program: &Program, world: &World, player: Option<SlotId>, tags: TagSet) -> Role {
-    let Some(player) = player else { return Role::Scenery };
-    let colliders = &program.entities[world.slots[player].entity].colliders;
-    let meetings = colliders.iter().filter_map(|collider| world.meeting(collider.tags, tags));
+/// The role of tiles with some tags.
+fn role(program: &Program, world: &World, tags: TagSet) -> Role {
+    for_players(program, world, tags).unwrap_or_else(|| {
+        let mut entities: Vec<EntityId> = world.slots.iter().map(|slot| slot.entity).collect();
+        entities.dedup();
+        let mut colliders = entities.iter().flat_map(|entity| program.entities[*entity].colliders.iter());
+        let is_met = colliders.any(|collider| {
+            world.meeting(collider.tags, tags).is_some_and(|meeting| meeting.response.push != Push::Sense)
+        });
+        let is_looked_for = program.exprs.iter().any(|expr| match expr {
+            Expr::Probe { other, .. } => TagSet::of(*other).meets(tags),
+            _ => false,
+        });
+        if is_met || is_looked_for { Role::ForOthers } else { Role::Scenery }
+    })
+}
+
+/// The strongest role of something with some tags for any collider of a player, if it meets one.
+pub(super) fn for_players(program: &Program, world: &World, tags: TagSet) -> Option<Role> {
+    let players = world.players.iter().map(|player| world.slots[player.slot].entity);
+    let colliders = players.flat_map(|entity| program.entities[entity].colliders.iter());
+    let meetings = colliders.filter_map(|collider| world.meeting(collider.tags, tags));
     let roles = meetings.map(|meeting| match meeting.response.push {
         Push::Sense => Role::Sensed,
         Push::FromAbove => Role::OneWay,
         Push::Block => Role::Solid,
     });
-    roles.max().unwrap_or(Role::Scenery)
+    roles.max()
 }
 
 /// The names of some tags.

@@ -5,16 +5,8 @@ use crate::ir::{
     compare,
 };
 
-use super::frame::moved;
-
-/// A collider relative to the position, px.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
-    pub bounds: Bounds,
-    /// Whether it is the inscribed circle.
-    pub round: bool,
-    pub tags: TagSet,
-}
+use super::frame::{is_proper, moved, shared};
+use super::track::Part;
 
 /// The colliders of an instance that are active initially.
 #[derive(Debug, Clone, Default)]
@@ -50,10 +42,7 @@ impl Body {
         let pushes = |part: &Part| pushes(world, part.tags);
         let pushing = |parts: &[Part]| largest(parts.iter().filter(|p| pushes(p)));
         let solid = pushing(&steady).or(pushing(&others));
-        if let Some(solid) = &solid {
-            // A sensor larger than the solid collider is a field of view.
-            parts.retain(|part| pushes(part) || area(part) <= area(solid));
-        }
+        without_views(world, &mut parts, solid.as_ref());
         let main = solid.or(largest(steady.iter())).or(largest(others.iter()));
         Body { parts, main }
     }
@@ -69,6 +58,34 @@ impl Body {
     }
 }
 
+/// The parts of an instance that are drawn on its way: those that push, or all if none does.
+pub(super) fn outline(world: &World, parts: &[Part]) -> Vec<Part> {
+    let pushing: Vec<Part> = parts.iter().filter(|part| pushes(world, part.tags)).copied().collect();
+    if !pushing.is_empty() {
+        let mut shown = parts.to_vec();
+        without_views(world, &mut shown, largest(pushing.iter()).as_ref());
+        // What it carries for a while, such as a sword, is beside its body; feet and eyes are in it.
+        let inside = |part: &Part| pushing.iter().any(|body| covers(body.bounds, part.bounds));
+        shown.retain(|part| pushes(world, part.tags) || !inside(part));
+        return shown;
+    }
+    parts.to_vec()
+}
+
+/// Whether a rectangle covers nearly all of another one.
+fn covers(body: Bounds, part: Bounds) -> bool {
+    let common = shared(body, part);
+    let size = |b: Bounds| (b.right - b.left).max(0.0) * (b.top - b.bottom).max(0.0);
+    is_proper(common) && size(common) >= 0.6 * size(part)
+}
+
+/// Leaves out sensors that are larger than the largest solid collider: they are fields of view.
+fn without_views(world: &World, parts: &mut Vec<Part>, solid: Option<&Part>) {
+    if let Some(solid) = solid {
+        parts.retain(|part| pushes(world, part.tags) || area(part) <= area(solid));
+    }
+}
+
 fn area(part: &Part) -> f64 {
     (part.bounds.right - part.bounds.left) * (part.bounds.top - part.bounds.bottom)
 }
@@ -78,7 +95,7 @@ fn largest<'p>(parts: impl Iterator<Item = &'p Part>) -> Option<Part> {
 }
 
 /// Whether a collider with these tags pushes or is pushed.
-fn pushes(world: &World, tags: TagSet) -> bool {
+pub(super) fn pushes(world: &World, tags: TagSet) -> bool {
     let mut pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
     pushing.any(|line| line.left.meets(tags) || line.right.meets(tags))
 }

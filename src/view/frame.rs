@@ -57,6 +57,38 @@ impl Frame {
         (self.view.left..=self.view.right).contains(&x) && (self.view.bottom..=self.view.top).contains(&y)
     }
 
+    /// The visible part of a line, if any; none if it is not finite.
+    pub fn clip(&self, [from, to]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+        let Bounds { left, right, bottom, top } = self.view;
+        let (mut first, mut last) = (0.0f64, 1.0f64);
+        let ways = [to[0] - from[0], to[1] - from[1]];
+        let borders = [(left, right), (bottom, top)];
+        for axis in 0..2 {
+            let (way, (low, high)) = (ways[axis], borders[axis]);
+            if !way.is_finite() {
+                return None;
+            }
+            if way == 0.0 {
+                if !(low..=high).contains(&from[axis]) {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((low - from[axis]) / way, (high - from[axis]) / way);
+            (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
+        }
+        let along = |part: f64| [from[0] + part * ways[0], from[1] + part * ways[1]];
+        // Ends that are inside stay exactly where they are.
+        let (start, end) = (if first > 0.0 { along(first) } else { from }, if last < 1.0 { along(last) } else { to });
+        (first <= last).then_some([start, end])
+    }
+
+    /// A whole rectangle in the picture.
+    pub fn place(&self, b: Bounds) -> Rect {
+        let [x, y] = self.point([b.left, b.top]);
+        Rect { x, y, width: (b.right - b.left) * self.scale, height: (b.top - b.bottom) * self.scale }
+    }
+
     /// The visible part of a rectangle, if any.
     pub fn cut(&self, b: Bounds) -> Option<Rect> {
         let [left, top] = self.point([b.left.max(self.view.left), b.top.min(self.view.top)]);

@@ -1,7 +1,9 @@
 //! The region of a goal: the constraints of its predicate on the player's position; and the tags and instances that it
 //! names.
 
-use crate::ir::{Bounds, CompareOp, Expr, ExprId, IdVec, Program, SlotId, SpaceId, Subject, TagSet, VarId, World};
+use crate::ir::{
+    Bounds, CompareOp, Expr, ExprId, IdVec, Predicate, Program, SlotId, SpaceId, Subject, TagSet, VarId, World,
+};
 
 use super::frame::{moved, shared};
 
@@ -28,6 +30,7 @@ pub(super) enum Form {
 /// The drawable parts of a goal.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Goal {
+    pub name: String,
     /// The player must be in one of these areas; none if unknown.
     pub areas: Vec<Area>,
     /// The tags that the player must touch.
@@ -37,10 +40,11 @@ pub(super) struct Goal {
 }
 
 impl Goal {
-    /// The goal with a name; empty if there is none.
-    pub fn new(program: &Program, world: &World, name: &str, player: Option<SlotId>, middle: [f64; 2]) -> Goal {
-        let (Some(goal), Some(player)) = (world.goals.iter().find(|goal| goal.name == name), player) else {
-            return Goal::default();
+    /// A goal of a world, as far as it is about the first player.
+    pub fn new(program: &Program, world: &World, goal: &Predicate, middle: [f64; 2]) -> Goal {
+        let name = goal.name.clone();
+        let Some(player) = world.players.iter().next().map(|player| player.slot) else {
+            return Goal { name, ..Goal::default() };
         };
         let reader = Reader { program, world, player, middle };
         let mut slots: Vec<SlotId> = program
@@ -59,7 +63,7 @@ impl Goal {
         slots.sort_unstable();
         slots.dedup();
         let areas = reader.areas(goal.holds).unwrap_or_default();
-        Goal { areas, tags: touched(program, world, goal.holds, player), slots }
+        Goal { name, areas, tags: touched(program, world, goal.holds, player), slots }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Placement of names: each beside its subject, where it covers no other name and, if there is room, not the path.
 
 use super::frame::Rect;
-use super::svg::{Number, escaped, put, text_width};
+use super::svg::{BOLD, Number, escaped, put, text_width};
 
 /// Font size of names.
 pub(super) const SIZE: f64 = 11.0;
@@ -32,7 +32,8 @@ impl Labels {
 
     /// Writes a name beside a rectangle; omits it if there is no room.
     pub fn write(&mut self, class: &str, text: &str, beside: Rect) {
-        let width = text_width(text, SIZE);
+        let is_bold = class.contains(' ') && !class.ends_with("violet");
+        let width = text_width(text, SIZE) * if is_bold { BOLD } else { 1.0 };
         let (middle, center) = (beside.x + beside.width / 2.0, beside.y + beside.height / 2.0);
         let (over, under) = (beside.y - GAP - HEIGHT, beside.y + beside.height + GAP);
         let (left, right) = (beside.x - GAP - width, beside.x + beside.width + GAP);

@@ -3,9 +3,13 @@
 use crate::ir::{Origin, Space};
 
 use super::appearance::Role;
+use super::body::pushes;
+use super::frame::Rect;
 use super::heat::{self, LEVELS};
-use super::panel::PictureContext;
+use super::look;
+use super::panel::{HEROES, PictureContext};
 use super::svg::{Number, escaped, put, shortened, text_width};
+use super::track::Track;
 
 const SIZE: f64 = 12.0;
 /// The height of a row.
@@ -19,11 +23,16 @@ const APART: f64 = 22.0;
 /// The sign of an entry, drawn in a box of `SWATCH` by 14.
 enum Sign {
     Box(String),
+    /// With its style, and the symbol of its picture.
+    Tile(String, String, Option<String>),
     Goal,
-    Route,
+    /// With the class of the player's colour.
+    Route(&'static str),
+    Way,
+    Gone,
     Line(&'static str),
     Dot(&'static str, f64),
-    Ghost,
+    Ghost(&'static str),
     Heat,
 }
 
@@ -33,7 +42,7 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, width: f64) -
     for (sign, words) in entries(context) {
         let swatch = match sign {
             Sign::Heat => LEVELS as f64 * 14.0,
-            Sign::Route => 1.6 * SWATCH,
+            Sign::Route(_) => 1.6 * SWATCH,
             _ => SWATCH,
         };
         let words = shortened(&words, SIZE, width - swatch - GAP);
@@ -51,48 +60,88 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, width: f64) -
 
 fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
     let mut entries = Vec::new();
-    if !context.search.path.is_empty() {
-        entries.push((Sign::Route, "path, from start to end".into()));
-        if context.search.path.iter().any(|stop| stop.changes) {
+    let routes: Vec<_> = context.routes.iter().filter(|route| route.track.stops.len() > 1).collect();
+    let mut colors: Vec<&str> = routes.iter().map(|route| route.color).collect();
+    colors.dedup();
+    for color in &colors {
+        let of = routes.iter().find(|route| route.color == *color).map(|route| route.track.slot);
+        let name = of.map_or("", |slot| context.world.slots[slot].name.as_str());
+        let words = if colors.len() > 1 {
+            format!("path of {name}, from start to end")
+        } else {
+            "path, from start to end".into()
+        };
+        entries.push((Sign::Route(color), words));
+    }
+    if !routes.is_empty() {
+        if routes.iter().any(|route| route.track.stops.iter().any(|stop| stop.changes)) {
             entries.push((Sign::Dot("dot", 2.5), "inputs change".into()));
         }
-        if context.route.body.is_some() {
-            entries.push((Sign::Ghost, "player on its way".into()));
-        }
-        if context.route.segments.len() > 1 {
+        entries.push((Sign::Ghost("ghost"), "player on its way".into()));
+        if routes.iter().any(|route| route.segments.len() > 1) {
             entries.push((Sign::Dot("door", 7.0), "leaves and arrives, in order".into()));
         }
     }
-    if !context.search.nodes.is_empty() {
+    if !context.ways.is_empty() {
+        entries.push((Sign::Way, "others on their way".into()));
+        let is_gone = |track: &&Track| track.is_destroyed && context.world.slots[track.slot].origin != Origin::Free;
+        if context.ways.iter().any(is_gone) {
+            entries.push((Sign::Gone, "destroyed".into()));
+        }
+    }
+    for (is_never, words) in [(false, "goal reached"), (true, "`never` violated")] {
+        if !context.routes.is_empty() && context.picture.run.marks.iter().any(|mark| mark.is_never == is_never) {
+            entries.push((Sign::Dot(if is_never { "broken" } else { "reached" }, 7.0), words.into()));
+        }
+    }
+    if !context.picture.nodes.is_empty() {
         entries.push((Sign::Heat, "where the player was: seldom to often".into()));
         entries.push((Sign::Line("tree key"), "moves tried".into()));
     }
-    if !context.goal.areas.is_empty() {
-        entries.push((Sign::Goal, format!("goal {}", context.search.goal)));
+    let areas: Vec<&str> =
+        context.goals.iter().filter(|goal| !goal.areas.is_empty()).map(|goal| goal.name.as_str()).collect();
+    if !areas.is_empty() {
+        let kind = if areas.len() > 1 { "goals" } else { "goal" };
+        entries.push((Sign::Goal, format!("{kind} {}", areas.join(", "))));
     }
     for appearance in &context.appearances.list {
         let note = match appearance.role {
             Role::OneWay => " (from above)",
             Role::Scenery => " (no contact)",
+            Role::ForOthers => " (no contact with players)",
             Role::Sensed | Role::Solid => "",
         };
-        entries.push((Sign::Box(format!("tile {}", appearance.class)), format!("{}{note}", appearance.name)));
+        let look = appearance.look.as_ref();
+        let symbol = look.and_then(|look| context.picture.images.symbol(look));
+        let sign = Sign::Tile(format!("tile {}", appearance.class), look::fill(look), symbol);
+        entries.push((sign, format!("{}{note}", appearance.name)));
     }
     if context.world.spaces.iter().any(|space| !space.links.is_empty()) {
         entries.push((Sign::Box("link".into()), "link to another place".into()));
     }
     if context.bounded {
-        entries.push((Sign::Box("bounds".into()), "bounds".into()));
+        entries.push((Sign::Line("bounds"), "bounds".into()));
     }
     if context.world.spaces.iter().any(Space::wraps) {
         entries.push((Sign::Line("bounds"), "border that is one with the opposite one".into()));
     }
-    if context.hero.is_some() {
-        entries.push((Sign::Box("hero".into()), "player at the start".into()));
+    let heroes = context.world.players.iter().zip(HEROES.iter().cycle());
+    for (player, class) in heroes {
+        let name = &context.world.slots[player.slot].name;
+        let words = if context.world.players.len() > 1 { name.clone() } else { "player".into() };
+        entries.push((Sign::Box((*class).into()), format!("{words} at the start")));
     }
-    let others = context.world.slots.pairs().any(|(id, s)| Some(id) != context.hero && s.origin != Origin::Free);
-    if others {
+    let others = |sensor: bool| {
+        let there =
+            context.world.slots.pairs().filter(|(_, slot)| slot.origin != Origin::Free && slot.player.is_none());
+        let mut colliders = there.flat_map(|(_, slot)| context.program.entities[slot.entity].colliders.iter());
+        colliders.any(|collider| pushes(context.world, collider.tags) != sensor)
+    };
+    if others(false) {
         entries.push((Sign::Box("thing".into()), "other instances at the start".into()));
+    }
+    if others(true) {
+        entries.push((Sign::Box("thing sensor".into()), "those that only sense".into()));
     }
     entries
 }
@@ -100,8 +149,12 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
 fn draw_sign(out: &mut String, sign: &Sign, x: f64, y: f64) {
     let (left, top, center) = (Number(x), Number(y), Number(y + 7.0));
     match sign {
-        Sign::Box(class) => {
-            put!(out, "<rect class=\"{class}\" x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"14\"/>\n");
+        Sign::Box(class) => draw_sign(out, &Sign::Tile(class.clone(), String::new(), None), x, y),
+        Sign::Tile(_, _, Some(symbol)) => {
+            look::draw(out, symbol, Rect { x: x + (SWATCH - 14.0) / 2.0, y, width: 14.0, height: 14.0 });
+        }
+        Sign::Tile(class, style, None) => {
+            put!(out, "<rect class=\"{class}\"{style} x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"14\"/>\n");
             if class.ends_with("cloud") {
                 put!(out, "<rect class=\"tile lip\" x=\"{left}\" y=\"{top}\" width=\"{SWATCH}\" height=\"3\"/>\n");
             }
@@ -111,20 +164,28 @@ fn draw_sign(out: &mut String, sign: &Sign, x: f64, y: f64) {
                 draw_sign(out, &Sign::Box(class.into()), x, y);
             }
         }
-        Sign::Route => {
+        Sign::Route(color) => {
             let (left, right) = (Number(x + 7.0), Number(x + 1.6 * SWATCH - 7.0));
-            put!(out, "<path class=\"route\" d=\"M{left} {center}H{right}\"/>\n");
-            put!(out, "<circle class=\"start\" cx=\"{left}\" cy=\"{center}\" r=\"5\"/>\n");
-            put!(out, "<circle class=\"end\" cx=\"{right}\" cy=\"{center}\" r=\"6\"/>\n");
+            put!(out, "<path class=\"route{color}\" d=\"M{left} {center}H{right}\"/>\n");
+            put!(out, "<circle class=\"start{color}\" cx=\"{left}\" cy=\"{center}\" r=\"5\"/>\n");
+            put!(out, "<circle class=\"end{color}\" cx=\"{right}\" cy=\"{center}\" r=\"6\"/>\n");
         }
         Sign::Line(class) => put!(out, "<path class=\"{class}\" d=\"M{left} {center}h{SWATCH}\"/>\n"),
         Sign::Dot(class, radius) => {
             let middle = Number(x + SWATCH / 2.0);
             put!(out, "<circle class=\"{class}\" cx=\"{middle}\" cy=\"{center}\" r=\"{radius}\"/>\n");
         }
-        Sign::Ghost => {
+        Sign::Way => {
+            put!(out, "<path class=\"trail\" d=\"M{left} {center}h{SWATCH}\"/>\n");
+            draw_sign(out, &Sign::Ghost("mover"), x, y);
+        }
+        Sign::Gone => {
+            let middle = Number(x + SWATCH / 2.0 - 4.0);
+            put!(out, "<path class=\"gone\" d=\"M{middle} {}l8 8m0 -8l-8 8\"/>\n", Number(y + 3.0));
+        }
+        Sign::Ghost(class) => {
             let middle = Number(x + (SWATCH - 12.0) / 2.0);
-            put!(out, "<rect class=\"ghost\" x=\"{middle}\" y=\"{top}\" width=\"12\" height=\"14\"/>\n");
+            put!(out, "<rect class=\"{class}\" x=\"{middle}\" y=\"{top}\" width=\"12\" height=\"14\"/>\n");
         }
         Sign::Heat => {
             for level in 0..LEVELS {

@@ -1,29 +1,45 @@
-//! Pictures of searches: the level, the visited points, the tree, the path to the goal. Drawn from plain data, so that
-//! any search can be shown; no verdict depends on this module.
+//! Pictures of searches and runs: the level, the visited points, the tree, the ways of all that moves. Drawn from plain
+//! data, so that any search and any run can be shown; no verdict depends on this module.
 //!
 //! | file | draws |
 //! |---|---|
-//! | `search` | the whole picture: title, a panel for each space, legend |
-//! | `panel` | one space, layer by layer |
+//! | `track`, `record` | what is shown of a run; its recording while it is simulated |
+//! | `picture`, `grid` | the whole picture: title, panels, legend; the arrangement of the panels |
+//! | `panel` | one space or a part of it, layer by layer |
 //! | `frame`, `extent` | the transformation to the picture; the visible part of a space |
 //! | `appearance` | the colours of kinds of tiles |
-//! | `tiles`, `heat`, `tree`, `route`, `goal`, `body` | the layers |
+//! | `tiles`, `heat`, `tree`, `route`, `trail`, `goal`, `body` | the layers |
+//! | `look` | the colours and pictures that a program gives to things |
 //! | `label`, `legend`, `style`, `svg` | names that do not cover each other, the legend, colours, numbers |
 
 mod appearance;
 mod body;
+mod canvas;
 mod extent;
+mod film;
 mod frame;
 mod goal;
+mod grid;
 mod heat;
 mod label;
 mod legend;
+mod look;
+mod palette;
 mod panel;
+mod picture;
+mod record;
 mod route;
-mod search;
 mod style;
 mod svg;
 mod tiles;
+mod track;
+mod trail;
 mod tree;
 
-pub use search::{Node, Search, Stop, search_svg};
+pub use canvas::{Canvas, Image, Paint};
+pub use film::{Film, FilmOptions};
+pub use look::Images;
+pub use palette::{ColorTable, Colors};
+pub use picture::{Node, Picture, picture_svg};
+pub use record::Recorder;
+pub use track::{Mark, Part, Pose, Run, Stop, Track};

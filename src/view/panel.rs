@@ -1,18 +1,19 @@
 //! The panel of a space, layer by layer: the level, the visits, the tree, the instances, the goal, the path, names.
 
-use crate::ir::{Bounds, Origin, Period, Program, SlotId, SpaceId, World};
+use crate::ir::{Bounds, Origin, Period, Program, SlotId, SpaceId, World, WorldId};
 
-use super::appearance::{Appearances, Role, role};
-use super::body::{Body, placed, position};
+use super::appearance::{Appearances, Role, for_players};
+use super::body::{Body, outline, placed, position, pushes};
 use super::extent::Visits;
 use super::frame::{Frame, Rect};
 use super::goal::{Form, Goal};
 use super::heat;
 use super::label::Labels;
+use super::picture::{Node, Picture};
 use super::route::{self, Route, crosses, jumps};
-use super::search::Search;
 use super::svg::{Number, escaped, line_data, put};
-use super::{tiles, tree};
+use super::track::Track;
+use super::{look, tiles, trail, tree};
 
 /// Maximum number of lines of the tree and of rectangles of the heat map in the whole picture.
 const MAX_LINES: usize = 16_000;
@@ -22,85 +23,148 @@ const CELLS: f64 = 4.0;
 /// Maximum side of such a cell in the picture; its side if there are no tiles.
 const CELL: f64 = 10.0;
 
+/// The classes of the players.
+pub(super) const HEROES: [&str; 4] = ["hero", "hero p2", "hero p3", "hero p4"];
+/// A move of the tree that is so many times as long as most is a jump.
+const JUMP: f64 = 4.0;
 /// Minimum distance of two named instances with the same name.
 const SAME_NAME: f64 = 280.0;
 
 /// The data that all panels share.
 pub(super) struct PictureContext<'a> {
     pub program: &'a Program,
+    pub id: WorldId,
     pub world: &'a World,
-    pub search: &'a Search<'a>,
+    pub picture: &'a Picture<'a>,
     pub appearances: Appearances,
-    pub goal: Goal,
-    pub route: Route<'a>,
+    pub goals: Vec<Goal>,
+    /// The ways of players.
+    pub routes: Vec<Route<'a>>,
+    /// The ways of everything else that moves.
+    pub ways: Vec<&'a Track>,
     /// The first player.
     pub hero: Option<SlotId>,
+    /// The offset from its position to the drawn point.
+    pub middle: [f64; 2],
     /// Number of panels with visits, at least 1.
     pub visited: usize,
     /// Whether a panel shows the bounds of its space.
     pub bounded: bool,
 }
 
-/// Draws a space.
+/// Draws a space, or a part of it.
 pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &Frame, visits: &Visits) {
     let space = &context.world.spaces[id];
-    let middle = context.route.middle;
     let (width, height) = (frame.width(), frame.height());
     put!(out, "<rect class=\"air\" width=\"{}\" height=\"{}\"/>\n", Number(width), Number(height));
     let goals = goals(context, id, frame, visits);
-    for (form, rect) in &goals {
+    for (_, form, rect) in &goals {
         region(out, "goal", frame, *form, *rect);
     }
-    let drawn =
-        |at: [f32; 2]| route::drawn(context.world, id, [f64::from(at[0]) + middle[0], f64::from(at[1]) + middle[1]]);
-    let nodes = context.search.nodes;
-    let visited = nodes.iter().filter(|node| node.space == id).map(|node| drawn(node.at));
     if visits.count > 0 {
         let tile = space.map.as_ref().map_or(f64::MAX, |map| map.tile.0.min(map.tile.1));
         let cell = (tile / CELLS).min(CELL / frame.scale);
-        heat::draw(out, frame, visited, cell, MAX_HEAT / context.visited);
+        let nodes = context.picture.nodes.iter().filter(|node| node.space == id);
+        heat::draw(out, frame, nodes.map(|node| place(context, node)), cell, MAX_HEAT / context.visited);
     }
     if let Some(map) = &space.map {
-        tiles::draw(out, frame, map, &context.appearances);
+        tiles::draw(out, frame, map, &context.appearances, (context.picture.images, id));
     }
     for solid in &space.solids {
         let appearance =
             context.appearances.of(solid.tags).and_then(|appearance| context.appearances.list.get(appearance));
         if let (Some(rect), Some(appearance)) = (frame.cut(solid.bounds), appearance) {
-            rectangle(out, &format!("tile {}", appearance.class), rect, &appearance.name);
+            let symbol = appearance.look.as_ref().and_then(|look| context.picture.images.symbol(look));
+            let style = look::fill(appearance.look.as_ref());
+            styled_rectangle(out, &format!("tile {}", appearance.class), &style, rect, &appearance.name);
+            if let Some(symbol) = symbol {
+                look::draw(out, &symbol, rect);
+            }
         }
     }
     if visits.count > 0 {
-        let lines = nodes.iter().filter(|node| node.space == id).filter_map(|node| {
-            let parent = nodes.get(node.parent as usize).filter(|parent| parent.space == id)?;
-            let ends = [drawn(parent.at), drawn(node.at)];
-            let goes = !jumps(context.world, id, ends[0], ends[1]) && !crosses(context.world, id, ends[0], ends[1]);
-            goes.then_some(ends)
-        });
-        tree::draw(out, frame, lines, MAX_LINES / context.visited);
+        tree::draw(out, frame, moves(context, id), MAX_LINES / context.visited);
     }
-    let lines = context.route.lines(frame, id);
-    let mut labels = Labels::new((width, height), lines.iter().flatten().copied().collect());
-    if let Some(rect) = space.bounds.filter(|bounds| *bounds != frame.view).and_then(|bounds| frame.cut(bounds)) {
-        rectangle(out, "bounds", rect, "bounds");
+    let lines: Vec<_> = context.routes.iter().map(|route| route.lines(frame, id)).collect();
+    let mut labels = Labels::new((width, height), lines.iter().flatten().flatten().copied().collect());
+    if let Some(bounds) = space.bounds.filter(|bounds| *bounds != frame.view) {
+        borders(out, frame, bounds);
     }
     seams(out, frame, space.periods);
-    for (form, rect) in &goals {
+    for (_, form, rect) in &goals {
         region(out, "rim", frame, *form, *rect);
     }
     let mut names = links(out, context, id, frame);
     things(out, context, id, frame, &mut names);
-    context.route.draw(out, frame, id, &lines, &mut labels);
-    for (_, rect) in goals {
+    trail::draw(out, (context.program, context.world), frame, id, &context.ways);
+    // The first player is on top.
+    for (route, lines) in context.routes.iter().zip(&lines).rev() {
+        route.draw(out, frame, id, lines, &mut labels);
+    }
+    marks(out, context, id, frame, &mut labels);
+    for (goal, _, rect) in goals {
         // The name of a wide region is inside, below its upper edge.
         let beside = if rect.height > height / 2.0 { Rect { height: 0.0, ..rect } } else { rect };
-        labels.write("name green", context.search.goal, beside);
+        labels.write("name green", &goal.name, beside);
     }
     for (class, name, rect) in names {
         labels.write(class, &name, rect);
     }
     out.push_str(&labels.finish());
     put!(out, "<rect class=\"frame\" width=\"{}\" height=\"{}\"/>\n", Number(width), Number(height));
+}
+
+/// Where a node is drawn.
+fn place(context: &PictureContext<'_>, node: &Node) -> [f64; 2] {
+    let at = [0, 1].map(|axis| f64::from(node.at[axis]) + context.middle[axis]);
+    route::drawn(context.world, node.space, at)
+}
+
+/// The moves of the tree in a space, without jumps: moves across a seam, and moves much longer than most.
+fn moves(context: &PictureContext<'_>, id: SpaceId) -> impl Iterator<Item = [[f64; 2]; 2]> {
+    let nodes = context.picture.nodes;
+    let here = nodes.iter().filter(move |node| node.space == id);
+    let ends = here.filter_map(|node| {
+        let parent = nodes.get(node.parent as usize).filter(|parent| parent.space == id)?;
+        Some([place(context, parent), place(context, node)])
+    });
+    let ends: Vec<[[f64; 2]; 2]> =
+        ends.filter(|[a, b]| !jumps(context.world, id, *a, *b) && !crosses(context.world, id, *a, *b)).collect();
+    let length = |[a, b]: &[[f64; 2]; 2]| libm::hypot(b[0] - a[0], b[1] - a[1]);
+    let mut lengths: Vec<f64> = ends.iter().map(length).filter(|length| *length > 0.0).collect();
+    lengths.sort_unstable_by(f64::total_cmp);
+    let usual = lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(f64::MAX);
+    ends.into_iter().filter(move |line| length(line) <= JUMP * usual)
+}
+
+/// Draws the borders of a space where they are in the picture.
+fn borders(out: &mut String, frame: &Frame, Bounds { left, right, bottom, top }: Bounds) {
+    let corners = [[left, bottom], [right, bottom], [right, top], [left, top], [left, bottom]];
+    let mut data = String::new();
+    for side in corners.windows(2) {
+        if let Some(line) = frame.clip([side[0], side[1]]) {
+            line_data(&mut data, &line.map(|end| frame.point(end)));
+        }
+    }
+    if !data.is_empty() {
+        put!(out, "<path class=\"bounds\" d=\"{data}\"><title>bounds</title></path>\n");
+    }
+}
+
+/// The places of the first player where goals and `never`s became true.
+fn marks(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &Frame, labels: &mut Labels) {
+    let Some(route) = context.routes.first() else { return };
+    for mark in &context.picture.run.marks {
+        let Some([x, y]) = route.place(frame, id, mark.step) else { continue };
+        let class = if mark.is_never { "broken" } else { "reached" };
+        let sign = if mark.is_never { "m-3.5 -3.5l7 7m0 -7l-7 7" } else { "m-4 0l3 3.5l5 -6.5" };
+        put!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"9\"/>\n", Number(x), Number(y));
+        put!(out, "<path class=\"sign\" d=\"M{} {}{sign}\"/>\n", Number(x), Number(y));
+        let place = Rect::around([x, y], 9.0);
+        labels.keep_free(place);
+        let words = format!("{}: step {}, {} s", mark.name, mark.step, Number(mark.seconds));
+        labels.write(if mark.is_never { "name red" } else { "name green" }, &words, place);
+    }
 }
 
 /// Draws the borders that are one place.
@@ -123,16 +187,22 @@ fn seams(out: &mut String, frame: &Frame, periods: [Option<Period>; 2]) {
 /// A name to write: class, text, subject.
 type Name = (&'static str, String, Rect);
 
-/// The visible parts of the goal's region, with their extent in the picture.
-fn goals(context: &PictureContext<'_>, id: SpaceId, frame: &Frame, visits: &Visits) -> Vec<(Form, Rect)> {
+/// The visible parts of the goals' regions, with their extent in the picture.
+fn goals<'c>(
+    context: &'c PictureContext<'_>,
+    id: SpaceId,
+    frame: &Frame,
+    visits: &Visits,
+) -> Vec<(&'c Goal, Form, Rect)> {
     let starts_here = context.hero.is_some_and(|hero| context.world.slots[hero].space == id);
     let may_be_here = starts_here || visits.count > 0 || visits.path.is_some();
-    let areas = context.goal.areas.iter().filter(|area| area.space.map_or(may_be_here, |space| space == id));
+    let areas = context.goals.iter().flat_map(|goal| goal.areas.iter().map(move |area| (goal, area)));
+    let areas = areas.filter(|(_, area)| area.space.map_or(may_be_here, |space| space == id));
     let extent = |form: Form| match form {
         Form::Box(bounds) => bounds,
         Form::Circle([x, y], radius) => Bounds::new([x - radius, y - radius, 2.0 * radius, 2.0 * radius]),
     };
-    areas.filter_map(|area| Some((area.form, frame.cut(extent(area.form))?))).collect()
+    areas.filter_map(|(goal, area)| Some((goal, area.form, frame.cut(extent(area.form))?))).collect()
 }
 
 fn region(out: &mut String, class: &str, frame: &Frame, form: Form, rect: Rect) {
@@ -160,32 +230,52 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
     let mut unnamed: Vec<Name> = Vec::new();
     for (of, slot) in here {
         let body = Body::new(context.program, context.world, of);
-        let is_hero = context.hero == Some(of);
-        let is_requested =
-            context.goal.slots.contains(&of) || body.parts.iter().any(|p| p.tags.meets(context.goal.tags));
+        let own_look = context.program.look_of(context.id, of);
+        let symbol = own_look.and_then(|look| context.picture.images.symbol(look));
+        let player = context.world.players.iter().position(|player| player.slot == of);
+        let is_requested = context
+            .goals
+            .iter()
+            .any(|goal| goal.slots.contains(&of) || body.parts.iter().any(|part| part.tags.meets(goal.tags)));
         let mut around: Option<Rect> = None;
         for part in &body.parts {
             let bounds = placed(part, slot);
             let Some(rect) = frame.cut(bounds) else { continue };
-            let class = match role(context.program, context.world, context.hero, part.tags) {
-                _ if is_hero => "hero",
-                _ if is_requested => "asked",
-                Role::Solid | Role::OneWay => "block",
-                _ => "thing",
+            let is_sensor = !pushes(context.world, part.tags);
+            let class = match (player, for_players(context.program, context.world, part.tags)) {
+                (Some(player), _) => HEROES[player % HEROES.len()],
+                (None, _) if is_requested => "asked",
+                (None, Some(Role::Solid | Role::OneWay)) => "block",
+                (None, _) => "thing",
             };
+            let class = if is_sensor { format!("{class} sensor") } else { class.to_string() };
+            let class = class.as_str();
+            around = Some(around.map_or(rect, |other| union(other, rect)));
+            // The picture stands for the body.
+            if symbol.is_some() && !is_sensor {
+                continue;
+            }
+            let style = look::body(own_look, is_sensor);
             if part.round {
                 let center = [(bounds.left + bounds.right) / 2.0, (bounds.bottom + bounds.top) / 2.0];
                 let radius = (bounds.right - bounds.left) / 2.0 * frame.scale;
-                circle(out, class, frame.point(center), radius, &slot.name);
+                styled_circle(out, class, &style, frame.point(center), radius, &slot.name);
             } else {
-                rectangle(out, class, rect, &slot.name);
+                styled_rectangle(out, class, &style, rect, &slot.name);
             }
-            around = Some(around.map_or(rect, |other| union(other, rect)));
+        }
+        if let Some(symbol) = &symbol {
+            let shown = outline(context.world, &body.parts);
+            let whole = shown.iter().map(|part| placed(part, slot)).reduce(Bounds::join);
+            let whole = whole.filter(|bounds| frame.cut(*bounds).is_some());
+            if let Some(bounds) = whole {
+                look::draw(out, symbol, frame.place(bounds));
+            }
         }
         if around.is_none() && frame.holds(position(slot)) {
             // Of unknown size: a diamond.
             let [x, y] = frame.point(position(slot)).map(Number);
-            let class = if is_hero { "hero" } else { "thing" };
+            let class = player.map_or("thing", |player| HEROES[player % HEROES.len()]);
             put!(
                 out,
                 "<path class=\"{class}\" d=\"M{x} {y}m0-5l5 5l-5 5l-5-5z\"><title>{}</title></path>\n",
@@ -194,7 +284,7 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
             around = Some(Rect::around([x.0, y.0], 5.0));
         }
         let Some(around) = around else { continue };
-        let class = if is_hero { "name strong" } else { "name" };
+        let class = if player.is_some() { "name strong" } else { "name" };
         match slot.origin {
             Origin::Named => names.push((class, slot.name.clone(), around)),
             _ => {
@@ -206,11 +296,8 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
             }
         }
     }
-    // The first name gets the best place.
-    let hero = names.iter().position(|(class, ..)| *class == "name strong");
-    if let Some(hero) = hero {
-        names[..=hero].rotate_right(1);
-    }
+    // The names of players get the best places.
+    names.sort_by_key(|(class, ..)| *class != "name strong");
     names.extend(unnamed);
 }
 
@@ -221,13 +308,21 @@ fn union(a: Rect, b: Rect) -> Rect {
 }
 
 fn rectangle(out: &mut String, class: &str, r: Rect, title: &str) {
+    styled_rectangle(out, class, "", r, title);
+}
+
+fn styled_rectangle(out: &mut String, class: &str, style: &str, r: Rect, title: &str) {
     let (x, y, width, height) = (Number(r.x), Number(r.y), Number(r.width), Number(r.height));
-    put!(out, "<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
+    put!(out, "<rect class=\"{class}\"{style} x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
     close(out, "rect", title);
 }
 
-fn circle(out: &mut String, class: &str, [x, y]: [f64; 2], radius: f64, title: &str) {
-    put!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{}\"", Number(x), Number(y), Number(radius));
+fn circle(out: &mut String, class: &str, at: [f64; 2], radius: f64, title: &str) {
+    styled_circle(out, class, "", at, radius, title);
+}
+
+fn styled_circle(out: &mut String, class: &str, style: &str, [x, y]: [f64; 2], radius: f64, title: &str) {
+    put!(out, "<circle class=\"{class}\"{style} cx=\"{}\" cy=\"{}\" r=\"{}\"", Number(x), Number(y), Number(radius));
     close(out, "circle", title);
 }
 

@@ -46,8 +46,13 @@ pub(super) fn line_data(data: &mut String, points: &[[f64; 2]]) {
 
 /// Appends a path of a class; appends nothing without data.
 pub(super) fn path(out: &mut String, class: &str, data: &str) {
+    styled_path(out, class, "", data);
+}
+
+/// As [`path`], with a style of its own.
+pub(super) fn styled_path(out: &mut String, class: &str, style: &str, data: &str) {
     if !data.is_empty() {
-        put!(out, "<path class=\"{class}\" d=\"{data}\"/>\n");
+        put!(out, "<path class=\"{class}\"{style} d=\"{data}\"/>\n");
     }
 }
 

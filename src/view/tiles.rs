@@ -1,11 +1,12 @@
 //! The tiles of a map: equal neighbours are merged into rectangles, and a map with very many small tiles is drawn
 //! coarser. Slopes are drawn as what is below their line. Tiles that can be broken have dashed outlines.
 
-use crate::ir::{Bounds, Slope, TagId, TagSet, TileMap};
+use crate::ir::{Bounds, Slope, SpaceId, TagId, TagSet, TileMap};
 
 use super::appearance::{Appearances, Role};
 use super::frame::{Frame, shared};
-use super::svg::{box_data, line_data, path};
+use super::look::{self, Images};
+use super::svg::{Number, box_data, line_data, path, put, styled_path};
 
 /// Maximum number of rectangles of a map.
 const MAX_RECTANGLES: usize = 15_000;
@@ -21,7 +22,13 @@ struct Grid {
 }
 
 /// Draws a map.
-pub(super) fn draw(out: &mut String, frame: &Frame, map: &TileMap<TagId>, appearances: &Appearances) {
+pub(super) fn draw(
+    out: &mut String,
+    frame: &Frame,
+    map: &TileMap<TagId>,
+    appearances: &Appearances,
+    (images, space): (&Images, SpaceId),
+) {
     let kinds = map.kinds.iter().map(|kind| kind.tags.iter().copied().collect::<TagSet>());
     let kinds: Vec<Option<u16>> = kinds.map(|tags| appearances.of(tags).map(|appearance| appearance as u16)).collect();
     let is_slope = |kind: &u16| map.kinds[usize::from(*kind)].slope.is_some();
@@ -50,10 +57,30 @@ pub(super) fn draw(out: &mut String, frame: &Frame, map: &TileMap<TagId>, appear
         for (cell, kind) in slopes.filter(|(_, kind)| kinds[usize::from(**kind)] == Some(index as u16)) {
             slope(&mut data, frame, map, cell, usize::from(*kind));
         }
-        path(out, &format!("tile {}", appearance.class), &data);
+        let symbol = appearance.look.as_ref().and_then(|look| images.symbol(look)).filter(|_| !data.is_empty());
+        let style = match symbol {
+            Some(symbol) => {
+                let name = format!("tiles{}-{index}-{}-{}", space.0, frame.view.left as i64, frame.view.bottom as i64);
+                pattern(out, frame, map.tile, (&name, &symbol));
+                format!(" style=\"fill:url(#{name});fill-opacity:1\"")
+            }
+            None => look::fill(appearance.look.as_ref()),
+        };
+        styled_path(out, &format!("tile {}", appearance.class), &style, &data);
         path(out, "tile lip", &lips);
     }
     breakable(out, frame, map);
+}
+
+/// Defines a pattern that repeats a picture tile by tile.
+fn pattern(out: &mut String, frame: &Frame, tile: (f64, f64), (name, symbol): (&str, &str)) {
+    let [x, y] = frame.point([0.0, 0.0]).map(Number);
+    let (width, height) = (Number(tile.0 * frame.scale), Number(tile.1 * frame.scale));
+    put!(
+        out,
+        "<pattern id=\"{name}\" patternUnits=\"userSpaceOnUse\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\">\
+         <use href=\"#{symbol}\" width=\"{width}\" height=\"{height}\"/></pattern>\n"
+    );
 }
 
 /// Adds what is below the line of a slope, as far as it is in the picture.

@@ -170,6 +170,7 @@ const WORDS: &[&str] = &[
     "restore",
     "after",
     "signal",
+    "look",
     "timer",
     "pressed",
     "held",

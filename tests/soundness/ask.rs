@@ -22,8 +22,10 @@ impl Generator<'_> {
         let (there, here) = (self.axes.read(&format!("any {name}."), "x"), self.axes.read("", "x"));
         let lower = name.to_lowercase();
         let point = self.axes.point(48.0, 32.0);
-        let asked = match turn % 17 {
-            16 if self.arena.has_bricks && self.arena.is_mapped() => format!("count(brick) {op} {few}"),
+        let asked = match turn % 16 {
+            _ if turn.is_multiple_of(3) && self.arena.has_bricks && self.arena.is_mapped() => {
+                format!("count(brick) {op} {}", turn / 3 % 6)
+            }
             0 => format!("count({name}) {op} {few}"),
             1 => format!("count({name}{within}) {op} {few}"),
             2 => format!("{there} {op} {here}"),

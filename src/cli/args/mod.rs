@@ -1,5 +1,6 @@
 //! The arguments, as data.
 
+pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
 
 use std::path::PathBuf;
@@ -8,6 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::reach::{Planner, Restart};
 
+pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
 
 use crate::cli::corpus::args::CorpusArgs;
@@ -230,6 +232,11 @@ pub(in crate::cli) struct SimArgs {
     /// How states are written [default: CSV if the file's name ends in `.csv`, else JSON lines].
     #[arg(long, value_enum, value_name = "FORMAT", requires = "trace")]
     pub trace_format: Option<TraceFormatName>,
+    /// Draws the run to an SVG file: the level, the ways of all that moves, the goals that were reached.
+    #[arg(long, value_name = "PATH")]
+    pub svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub animation: GifArgs,
     /// Fails unless this goal has held by the end of the run.
     #[arg(long, value_name = "GOAL")]
     pub expect: Vec<String>,
@@ -240,7 +247,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "expect", "expect_not"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "expect", "expect_not"]
     )]
     pub replay: Option<PathBuf>,
 }

@@ -2,18 +2,21 @@
 
 use std::fs::write;
 use std::io;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use crate::ir::GoalId;
 use crate::reach::query::{Answer, Found, Session};
 use crate::reach::{Verdict, Visited};
-use crate::sim::{PlayerInput, Script, Simulator};
-use crate::view::{Node, Search, Stop, search_svg};
-use crate::watch::{Meter, Watch};
+use crate::sim::{Script, Simulator};
+use crate::view::{Images, Node, Picture, Recorder, Run, picture_svg};
+use crate::watch::Watch;
 
 use super::text::notes;
 use crate::cli::args::ReachArgs;
+use crate::cli::pictures::images;
 use crate::cli::refusal::Refusal;
-use crate::cli::sim::save_script;
+use crate::cli::sim::{drive, save_script};
 
 /// The files that were written.
 #[derive(Debug, Clone, Default)]
@@ -66,7 +69,8 @@ impl<'d> Destination<'d> {
             saved.inputs = Some(path);
         }
         if let Some(path) = self.picture() {
-            write(&path, picture(session, found, answer, watch)).map_err(|error| cannot(&path, error))?;
+            let images = images(session.simulator().program(), &self.args.file).map_err(Refusal::Plain)?;
+            write(&path, picture(session, found, answer, &images, watch)).map_err(|error| cannot(&path, error))?;
             saved.picture = Some(path);
         }
         Ok(saved)
@@ -88,37 +92,38 @@ impl<'d> Destination<'d> {
 }
 
 /// The picture of a search.
-fn picture(session: &Session, found: &Found<'_>, answer: &Answer, watch: &dyn Watch) -> String {
+fn picture(session: &Session, found: &Found<'_>, answer: &Answer, images: &Images, watch: &dyn Watch) -> String {
     let node = |v: &Visited| Node { parent: v.parent, space: v.space, at: v.at };
     let nodes: Vec<Node> = found.outcome.record.iter().map(node).collect();
     let sim = session.simulator();
-    let path = match &found.outcome.verdict {
-        Verdict::Reached(plan) => stops(sim, (&plan.script, session.query().chance), watch),
-        Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => Vec::new(),
+    let run = match &found.outcome.verdict {
+        Verdict::Reached(plan) => recorded(sim, (&plan.script, session.query().chance), watch),
+        Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => Run::default(),
     };
-    let (goal, notes) = (answer.goal.as_str(), notes(answer));
-    let search = Search { goal, verdict: answer.verdict.words(), nodes: &nodes, path: &path, notes: &notes };
-    search_svg(sim.program(), sim.world_id(), &search)
+    let goals: Vec<GoalId> = sim.world().goal_named(&answer.goal).into_iter().collect();
+    let notes = notes(answer);
+    let picture = Picture {
+        title: &answer.goal,
+        result: answer.verdict.words(),
+        is_good: answer.is_expected,
+        goals: &goals,
+        nodes: &nodes,
+        run: &run,
+        notes: &notes,
+        images,
+    };
+    picture_svg(sim.program(), sim.world_id(), &picture)
 }
 
-/// The positions of the first player before a script and after each of its steps, until the watch stops.
-fn stops(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &dyn Watch) -> Vec<Stop> {
-    let Some(player) = sim.world().players.iter().next().map(|p| p.slot) else { return Vec::new() };
-    let (mut scratch, meter) = (sim.scratch(), Meter::new(watch));
-    let Ok(mut state) = sim.metered_initial(&mut scratch, &meter) else { return Vec::new() };
-    let stop = |state: &[u8], changes: bool| {
-        let (x, y) = sim.position(state, player);
-        Stop { space: sim.space(state, player), at: [x, y], changes }
-    };
-    let mut stops = vec![stop(&state, false)];
-    let mut last: Option<&Vec<PlayerInput>> = None;
-    for (step, input) in (1..).zip(script.inputs()) {
-        let drawn = sim.draw(chance.unwrap_or_default(), step, input);
-        if sim.metered_step(&mut state, &drawn, &mut scratch, &meter).is_err() || meter.is_stopped() {
-            break;
-        }
-        stops.push(stop(&state, last.is_some_and(|last| *last != input.0)));
-        last = Some(&input.0);
-    }
-    stops
+/// The run of a script, until the watch stops it.
+fn recorded(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &dyn Watch) -> Run {
+    let (mut recorder, mut last) = (Recorder::new(sim), Vec::new());
+    // A path ends in its last step, also out of bounds; nothing is written here that could fail.
+    let _ = drive(sim, (script, chance), script.len(), watch, &mut |step, input, state, _| {
+        recorder.observe(step, input, state);
+        last.clear();
+        last.extend_from_slice(state);
+        Ok(ControlFlow::Continue(()))
+    });
+    recorder.finish(&last, Vec::new())
 }

@@ -10,6 +10,7 @@ mod text;
 
 #[cfg(feature = "testing")]
 pub(in crate::cli) use result::json_schema;
+pub(in crate::cli) use text::counted;
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;

@@ -7,7 +7,7 @@ use crate::reach::{End, Luck};
 use super::files::Saved;
 
 /// `1 step`, `2 steps`
-pub(super) fn counted(count: u64, what: &str) -> String {
+pub(in crate::cli) fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 

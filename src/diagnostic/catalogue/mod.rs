@@ -16,6 +16,7 @@
 pub mod file;
 pub mod import;
 pub mod lint;
+pub mod look;
 pub mod names;
 pub mod run;
 pub mod slope;

@@ -14,17 +14,19 @@ use crate::source::Span;
 use crate::ir::{
     Arithmetic, By, Chance, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope,
     Expr, ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
-    RareVec, Reference, Release, Shape, Signal, Sum, TagId, TagSet, Touch, verify,
+    RareVec, Reference, Release, Shape, Signal, Sum, TagId, TagLook, TagSet, Touch, WorldId, verify,
 };
 use term::{Context, duration, rate};
 
 /// Lowers a program that was checked without errors. Lowered parts of the checked program are dropped at once unless
 /// they are shared, as both are large for a large program.
 pub fn lower(checked: Checked) -> Program {
-    let Checked { tags, entities, worlds, dimensions, occurrences, breakable, asks_members, .. } = checked;
+    let Checked { tags, entities, worlds, dimensions, occurrences, breakable, asks_members, entity_looks, .. } =
+        checked;
     drop((dimensions, occurrences));
     let mut program = Program { tags: tags.iter().map(|t| t.text.to_string()).collect(), ..Program::default() };
     program.spans.tags = tags.iter().map(|t| t.span).collect();
+    program.looks.entities = entity_looks;
     program.entities.reserve(entities.len());
     program.spans.entities.reserve(entities.len());
     // Shared, as there may be many entities.
@@ -54,6 +56,13 @@ pub fn lower(checked: Checked) -> Program {
     let predicates: Vec<_> = worlds.iter().map(|w| world::predicates(&mut program, w, &destructible)).collect();
     program.worlds.reserve(predicates.len());
     for (w, predicates) in worlds.into_iter().zip(predicates) {
+        let id = program.worlds.len();
+        // A look of a tag that nothing has is of nothing.
+        let looks = w.looks.iter().filter_map(|(name, look)| {
+            let tag = tags.find(|tag| tag.text == name.text)?;
+            Some(TagLook { world: WorldId::from_index(id), tag, look: look.clone() })
+        });
+        program.looks.tags.extend(looks);
         world::lower(&mut program, &w, predicates);
     }
     // A failure is a bug in this module.

@@ -8,7 +8,7 @@ mod world;
 
 use std::fmt;
 
-use super::{Id, IdRange, IdVec, MAX_TAGS, Program, TagSet};
+use super::{EntityLook, Id, IdRange, IdVec, Look, Looks, MAX_TAGS, Program, TagLook, TagSet};
 use code::Code;
 
 /// An error in a program, with its location.
@@ -47,7 +47,7 @@ type Checked = Result<(), Invalid>;
 ///
 /// [`Invalid`]: the first error found.
 pub fn verify(program: &Program) -> Checked {
-    let Program { tags, exprs, entities, worlds, spans } = program;
+    let Program { tags, exprs, entities, worlds, looks, spans } = program;
     ensure(tags.len() <= MAX_TAGS, "there are more tags than fit a set").at("tags")?;
     same(spans.tags.len(), tags.len()).at("spans.tags")?;
     same(spans.exprs.len(), exprs.len()).at("spans.exprs")?;
@@ -56,7 +56,27 @@ pub fn verify(program: &Program) -> Checked {
     let code = Code::new(program)?;
     each("entities", entities, |id, entity| entity::verify(program, &code, id, entity))?;
     code::check_code_ranges(program)?;
-    each("worlds", worlds, |id, world| world::verify(program, &code, id, world))
+    each("worlds", worlds, |id, world| world::verify(program, &code, id, world))?;
+    verify_looks(program, looks).at("looks")
+}
+
+fn verify_looks(program: &Program, Looks { entities, tags }: &Looks) -> Checked {
+    each_of("entities", entities, |EntityLook { entity, look: of }| {
+        exists(*entity, &program.entities)?;
+        look(of)
+    })?;
+    each_of("tags", tags, |TagLook { world, tag, look: of }| {
+        exists(*world, &program.worlds)?;
+        exists(*tag, &program.tags)?;
+        look(of)
+    })
+}
+
+fn look(look: &Look) -> Checked {
+    match look {
+        Look::Color(_) => ensure(look.rgb().is_some(), "a colour is not `#` and six hexadecimal digits"),
+        Look::Picture(path) => ensure(!path.is_empty() && !path.starts_with('/'), "a picture has no relative path"),
+    }
 }
 
 /// Adds the location to a failed check.

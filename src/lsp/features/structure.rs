@@ -328,7 +328,7 @@ impl Outline<'_> {
                 let detail = format!("limit {}", self.slice(l.count.span));
                 self.symbol(&l.entity, SymbolKind::Limit, l.span, Some(&detail), Vec::new())
             }
-            WorldItem::Step(_) | WorldItem::Collide(_) => return None,
+            WorldItem::Step(_) | WorldItem::Collide(_) | WorldItem::Look(_) => return None,
         })
     }
 

@@ -1,0 +1,111 @@
+//! The picture of a simulated run, and the files of pictures that a program's looks name.
+
+use std::io;
+use std::path::Path;
+
+use base64::Engine;
+
+use crate::ir::{GoalId, Program, WorldId};
+use crate::sim::Simulator;
+use crate::view::{Image, Images, Mark, Picture, Run, picture_svg};
+
+use super::reach::counted;
+
+/// Maximum size of the file of a picture, and of its sides.
+const MAX_BYTES: u64 = 4 << 20;
+const MAX_SIDE: u32 = 4096;
+
+/// Reads the pictures that looks name, from the folder of the program.
+///
+/// # Errors
+/// A message if one of them cannot be read.
+pub(super) fn images(program: &Program, file: &Path) -> Result<Images, String> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let mut images = Images::default();
+    for name in program.looks.pictures() {
+        let path = folder.join(name);
+        let why = |why: &dyn std::fmt::Display| format!("cannot show `{}`: {why}", path.display());
+        let size = std::fs::metadata(&path).map_err(|error| why(&error))?.len();
+        if size > MAX_BYTES {
+            return Err(why(&format!("it has more than {} MiB", MAX_BYTES >> 20)));
+        }
+        let bytes = std::fs::read(&path).map_err(|error| why(&error))?;
+        let image = decoded(&bytes).map_err(|error| why(&error))?;
+        let address = format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes));
+        images.add(name, image, address);
+    }
+    Ok(images)
+}
+
+/// Decodes a PNG file.
+fn decoded(bytes: &[u8]) -> Result<Image, String> {
+    let mut decoder = png::Decoder::new(io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
+    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let (width, height) = reader.info().size();
+    if width > MAX_SIDE || height > MAX_SIDE {
+        return Err(format!("it is {width}x{height} pixels, at most {MAX_SIDE}x{MAX_SIDE} are shown"));
+    }
+    let mut data = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
+    let info = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
+    data.truncate(info.buffer_size());
+    let rgba = match info.color_type {
+        png::ColorType::Rgba => data,
+        // Grey and opacity.
+        _ => data.chunks_exact(2).flat_map(|pair| [pair[0], pair[0], pair[0], pair[1]]).collect(),
+    };
+    Ok(Image { width: width as usize, height: height as usize, rgba })
+}
+
+/// What is known of a run beside its states.
+pub(super) struct Outcome<'o> {
+    /// Number of steps.
+    pub steps: u64,
+    /// The goals and `never`s that became true.
+    pub marks: Vec<Mark>,
+    /// Whether the run is as it should be.
+    pub is_good: bool,
+    /// How it ended, if not after all of its steps.
+    pub end: Option<String>,
+    /// The inputs, as a script.
+    pub script: &'o str,
+}
+
+/// What became true in a run of a world: for each goal and each `never` the first step after which it held.
+pub(super) fn marks(sim: &Simulator, goals: &[Option<u64>], nevers: &[Option<u64>]) -> Vec<Mark> {
+    let world = sim.world();
+    let mark = |is_never: bool, name: &str, step: Option<u64>| {
+        let seconds = |step: u64| step as f64 * world.step.seconds();
+        step.map(|step| Mark { name: name.to_string(), is_never, step, seconds: seconds(step) })
+    };
+    let goals = world.goals.iter().zip(goals).filter_map(|(goal, step)| mark(false, &goal.name, *step));
+    let nevers = world.nevers.iter().zip(nevers).filter_map(|(never, step)| mark(true, &never.name, *step));
+    goals.chain(nevers).collect()
+}
+
+/// Writes the picture of a run.
+pub(super) fn save_svg(
+    path: &Path,
+    (program, world): (&Program, WorldId),
+    run: &Run,
+    outcome: &Outcome<'_>,
+    images: &Images,
+) -> io::Result<()> {
+    let goals: Vec<GoalId> = program.worlds[world].goals.ids().collect();
+    let mut notes: Vec<String> = outcome.end.iter().cloned().collect();
+    if !outcome.script.is_empty() {
+        notes.push(format!("inputs  {}", outcome.script));
+    }
+    let seconds = outcome.steps as f64 * program.worlds[world].step.seconds();
+    let picture = Picture {
+        title: "a run",
+        result: &format!("{}, {seconds:.2} s", counted(outcome.steps, "step")),
+        is_good: outcome.is_good,
+        goals: &goals,
+        nodes: &[],
+        run,
+        notes: &notes,
+        images,
+    };
+    std::fs::write(path, picture_svg(program, world, &picture))
+}

@@ -15,6 +15,7 @@ mod formats;
 mod graph;
 mod import;
 mod level_editors;
+mod looks;
 mod lsp;
 mod maps;
 mod mutation;

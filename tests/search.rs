@@ -11,6 +11,7 @@ mod cli;
 mod corpus;
 mod experiment;
 mod guard;
+mod pictures;
 mod questions;
 mod reach;
 mod stop;

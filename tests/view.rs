@@ -449,7 +449,7 @@ fn instances_look_as_they_do_at_first() {
     let stop = Stop { step: 0, space: SpaceId(0), at: [0.0, 0.0], changes: false, jumps: false };
     let svg = draw(&program, &Walk { nodes: Vec::new(), run: run(vec![stop]) }, &[]);
     let document = roxmltree::Document::parse(&svg).unwrap();
-    let rects = document.descendants().filter(|node| node.attribute("class") == Some("hero sensor"));
+    let rects = document.descendants().filter(|node| node.attribute("class") == Some("hero ghostly"));
     let inside = rects.filter(|node| node.parent().is_some_and(|group| is_panel(&group)));
     let size = |name: &str, node: roxmltree::Node<'_, '_>| node.attribute(name).unwrap().parse::<f64>().unwrap() / 4.0;
     let sizes: Vec<[f64; 2]> = inside.map(|node| [size("width", node), size("height", node)]).collect();
@@ -500,4 +500,114 @@ fn slopes_are_drawn_as_what_is_below_them() {
     let svg = draw(&program, &walk, &[]);
     let path = svg.lines().find(|line| line.contains("class=\"tile")).unwrap();
     assert!(path.contains('L') && path.contains('h'), "boxes and a triangle: {path}");
+}
+
+/// Classes of the elements of a picture of a run in a world.
+fn classes_of_run(text: &str, inputs: &str) -> (String, BTreeMap<String, usize>) {
+    let program = program(compile_text(text));
+    let sim = Simulator::new(&program, WORLD);
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    let mut recorder = Recorder::new(&sim);
+    let players = program.worlds[WORLD].players.len();
+    recorder.observe(0, &Input::nothing(players), &state);
+    for (step, input) in (1..).zip(crate::support::script(&program, inputs).inputs()) {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+        recorder.observe(step, input, &state);
+    }
+    let mark = Mark { name: "first".into(), is_never: false, step: 1, seconds: 0.02 };
+    let svg = draw(&program, &Walk { nodes: Vec::new(), run: recorder.finish(&state, vec![mark]) }, &[]);
+    let classes = check(&svg);
+    (svg, classes)
+}
+
+const CROWD: &str = "
+entity Runner {
+    axis horizontal
+    param speed = 60
+    collider body: rect(0, 0, 16, 16)
+    collider eye: rect(4, 4, 4, 4)
+    x' = speed * horizontal
+    mode running { when x > 100 -> running { x := 8 } }
+}
+entity Cart {
+    kinematic collider cart: rect(0, 0, 24, 8)
+    x' = 40
+    always { when x > 200 { destroy self } }
+}
+world Track {
+    collide body with cart: block
+    collide cart with fence: block
+    collide eye with cart: sense
+    space main {
+        bounds rect(0, 0, 320, 120)
+        rect fence (0, 100, 320, 8)
+        place one: Runner at (8, 0)
+        place two: Runner at (8, 40)
+        place cart: Cart at (150, 70)
+        place rest: Cart at (20, 80)
+    }
+    player 1: one
+    player 2: two
+    goal far: one.x > 90
+}
+";
+
+#[test]
+fn all_that_moves_is_drawn() {
+    let (svg, classes) = classes_of_run(CROWD, "right+2:right*80 right+2:left*40");
+    // Each player has a way of its own; the legend has them, too.
+    for class in ["route", "route p2", "start p2", "end p2", "ghost p2", "hero p2", "trail", "mover", "gone"] {
+        assert!(classes.contains_key(class), "no {class}: {classes:?}");
+    }
+    // The body, and what it sees with as an outline.
+    assert_eq!((classes["hero"], classes["hero sensor"]), (1 + 1, 1));
+    // Nothing of the players touches the fence.
+    assert!(classes.contains_key("tile dim"));
+    assert!(svg.contains("fence (no contact with players)") && svg.contains("path of two, from start to end"));
+    assert!(classes["reached"] > 1 && svg.contains("first: step 1, 0.02 s"));
+}
+
+/// A line ends where something is put elsewhere, and begins again where it arrives.
+#[test]
+fn no_line_follows_a_jump() {
+    let longest = |svg: &str, class: &str| {
+        let document = roxmltree::Document::parse(svg).unwrap();
+        let paths = document.descendants().filter(|node| node.attribute("class") == Some(class));
+        let ways = paths.filter(|node| node.parent().is_some_and(|group| is_panel(&group)));
+        let lines: Vec<Vec<(char, f64)>> = ways.map(|node| data(node.attribute("d").unwrap())).collect();
+        let xs = |line: &Vec<(char, f64)>| line.iter().step_by(2).copied().collect::<Vec<_>>();
+        let moves = lines.iter().flat_map(|line| {
+            let xs = xs(line);
+            xs.windows(2).filter(|pair| pair[1].0 == 'L').map(|pair| (pair[1].1 - pair[0].1).abs()).collect::<Vec<_>>()
+        });
+        moves.fold(0.0, f64::max)
+    };
+    // At 4 to 1, 100 px are 400: no move of a step is longer than its own 4.
+    let (svg, classes) = classes_of_run(CROWD, "right*150");
+    assert!(classes["door"] > 2, "{classes:?}");
+    let moved = longest(&svg, "route");
+    assert!(moved > 1.0 && moved < 10.0, "{moved}");
+    let wrapped = CROWD.replace("bounds rect(0, 0, 320, 120)", "bounds rect(0, 0, 320, 120)\n        wrap horizontal");
+    let wrapped = wrapped.replace("when x > 100 -> running { x := 8 }", "");
+    let (svg, classes) = classes_of_run(&wrapped, "right*400");
+    assert!(!classes.contains_key("door"));
+    let moved = longest(&svg, "route");
+    assert!(moved > 1.0 && moved < 10.0, "{moved}");
+}
+
+#[test]
+fn long_levels_are_folded() {
+    let program = example("tests/maps/smb.hyped");
+    let svg = draw(&program, &Walk::default(), &[]);
+    let classes = check(&svg);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let panels: Vec<_> = document.descendants().filter(is_panel).collect();
+    assert!(panels.len() > 1, "{}", panels.len());
+    // Two marks at each cut.
+    assert_eq!((classes["fold"], classes["cut"]), (2 * (panels.len() - 1), 2 * (panels.len() - 1)));
+    let number = |node: &roxmltree::Node<'_, '_>, name: &str| node.attribute(name).unwrap().parse::<f64>().unwrap();
+    assert!(panels.windows(2).all(|pair| number(&pair[0], "y") + number(&pair[0], "height") < number(&pair[1], "y")));
+    let size = document.root_element();
+    assert!(number(&size, "width") < 1500.0, "{}", number(&size, "width"));
 }

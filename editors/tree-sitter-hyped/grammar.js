@@ -80,7 +80,7 @@ module.exports = grammar({
       [$.group, $.mode, $.always, $.envelope, alias($._edge_with_updates, $.edge), alias($._follow_with_updates, $.follow)],
       [
         $.parameter, $.continuous, $.discrete, $.reference, $.buttons, $.axes, $.chance, $.collider, $.clamp,
-        $.invariant, $.condition, $.signals, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
+        $.invariant, $.condition, $.signals, $.look, $.edge, $.follow, $.put, $.spawn, $.destroy, $.send, $.flow, $.update,
       ],
     ),
 
@@ -106,6 +106,9 @@ module.exports = grammar({
     buttons: $ => seq('button', commas(field('name', $.identifier))),
     axes: $ => seq('axis', commas(field('name', $.identifier))),
     chance: $ => seq('chance', field('name', $.identifier), ':', field('low', $.expression), '..', field('high', $.expression)),
+
+    look: $ => seq('look', field('appearance', choice($.color, $.text))),
+    color: _ => /#[\p{XID_Continue}]*/u,
 
     annotation: $ => seq(':', $.dimension),
     dimension: $ => seq($.dimension_factor, repeat(seq(choice('*', '/'), $.dimension_factor))),
@@ -193,7 +196,7 @@ module.exports = grammar({
     world_block: $ => block(
       $,
       [$.tiles, $.space],
-      [$.step, $.collide, $.limit, $.player, $.condition, $.goal, $.never],
+      [$.step, $.collide, $.limit, alias($._tag_look, $.look), $.player, $.condition, $.goal, $.never],
     ),
     step: $ => seq('step', field('time', $.expression)),
     collide: $ => seq('collide', $.tags, 'with', $.tags, ':', field('response', $.response)),
@@ -211,6 +214,7 @@ module.exports = grammar({
     _tile_with_settings: $ => seq($.tile_char, ':', $.tile_spawn, field('body', $.settings)),
     tile_char: _ => token(/'[^\r\n]'/),
     tile_spawn: $ => seq('spawn', field('entity', $.identifier), optional(seq('as', field('name', $.identifier)))),
+    _tag_look: $ => seq('look', $.tags, ':', field('appearance', choice($.color, $.text))),
     limit: $ => seq('limit', field('entity', $.identifier), field('count', $.expression)),
     player: $ => seq('player', field('number', $.number), ':', field('instance', $.identifier)),
     goal: $ => seq('goal', field('name', $.identifier), ':', field('holds', $.expression)),
@@ -332,7 +336,7 @@ module.exports = grammar({
     _member_variable: $ => seq($._flowing_name, optional($.primes)),
     _flowing_name: $ => choice(
       $.identifier,
-      ...['follow', 'initial', 'always', 'condition', 'chance', 'signal', 'send'].map((word) => alias(word, $.identifier)),
+      ...['follow', 'initial', 'always', 'condition', 'chance', 'signal', 'look', 'send'].map((word) => alias(word, $.identifier)),
     ),
     primes: _ => token.immediate(/'+/),
     tags: $ => commas($.tag),

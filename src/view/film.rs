@@ -306,19 +306,22 @@ impl<'s> Film<'s> {
             };
             let color = look.and_then(Look::rgb).map_or(color, |rgb| Paint { rgb, opacity: 1.0 });
             let area = place.area(moved(bounds, at));
-            let edge = palette::edge(color);
+            let is_outline = is_sensor && body > 0.0;
+            // What has only sensors is seen by them.
+            let inside = if is_sensor { Paint { opacity: 0.5, ..color } } else { color };
+            let edge = if is_sensor { color } else { palette::edge(color) };
             let thick = (self.scale / 2.0).clamp(1.0, 2.0);
             if collider.shape.is_round() {
                 let center = [(area[0] + area[2]) / 2.0, (area[1] + area[3]) / 2.0];
                 let radius = (area[2] - area[0]) / 2.0;
-                if !is_sensor {
-                    self.canvas.disc(center, radius, 0.0, color);
+                if !is_outline {
+                    self.canvas.disc(center, radius, 0.0, inside);
                 }
-                self.canvas.disc(center, radius, (radius - thick).max(0.0), if is_sensor { color } else { edge });
-            } else if is_sensor {
-                self.canvas.border(area, thick, Some(2), color);
+                self.canvas.disc(center, radius, (radius - thick).max(0.0), edge);
+            } else if is_outline {
+                self.canvas.border(area, thick, Some(2), edge);
             } else {
-                self.canvas.fill(area, color);
+                self.canvas.fill(area, inside);
                 self.canvas.border(area, thick, None, edge);
             }
         }

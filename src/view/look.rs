@@ -55,13 +55,14 @@ pub(super) fn fill(look: Option<&Look>) -> String {
     look.and_then(Look::rgb).map_or(String::new(), |rgb| format!(" style=\"fill:{};fill-opacity:1\"", hex(rgb)))
 }
 
-/// The style of a body with the colour of a look: a sensor has a border only.
-pub(super) fn body(look: Option<&Look>, is_sensor: bool) -> String {
+/// The style of a body with the colour of a look: a sensor of what has a body has a border only.
+pub(super) fn body(look: Option<&Look>, is_sensor: bool, has_body: bool) -> String {
     let Some(rgb) = look.and_then(Look::rgb) else { return String::new() };
     let edge = rgb.map(|part| (u16::from(part) * 7 / 10) as u8);
-    match is_sensor {
-        true => format!(" style=\"stroke:{}\"", hex(rgb)),
-        false => format!(" style=\"fill:{};fill-opacity:.9;stroke:{}\"", hex(rgb), hex(edge)),
+    match (is_sensor, has_body) {
+        (true, true) => format!(" style=\"stroke:{}\"", hex(rgb)),
+        (true, false) => format!(" style=\"fill:{};fill-opacity:.5;stroke:{}\"", hex(rgb), hex(edge)),
+        (false, _) => format!(" style=\"fill:{};fill-opacity:.9;stroke:{}\"", hex(rgb), hex(edge)),
     }
 }
 

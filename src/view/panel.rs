@@ -238,6 +238,7 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
             .iter()
             .any(|goal| goal.slots.contains(&of) || body.parts.iter().any(|part| part.tags.meets(goal.tags)));
         let mut around: Option<Rect> = None;
+        let has_body = body.parts.iter().any(|part| pushes(context.world, part.tags));
         for part in &body.parts {
             let bounds = placed(part, slot);
             let Some(rect) = frame.cut(bounds) else { continue };
@@ -248,14 +249,19 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
                 (None, Some(Role::Solid | Role::OneWay)) => "block",
                 (None, _) => "thing",
             };
-            let class = if is_sensor { format!("{class} sensor") } else { class.to_string() };
+            let class = match (is_sensor, has_body) {
+                (false, _) => class.to_string(),
+                (true, true) => format!("{class} sensor"),
+                // What has only sensors is seen by them.
+                (true, false) => format!("{class} ghostly"),
+            };
             let class = class.as_str();
             around = Some(around.map_or(rect, |other| union(other, rect)));
             // The picture stands for the body.
             if symbol.is_some() && !is_sensor {
                 continue;
             }
-            let style = look::body(own_look, is_sensor);
+            let style = look::body(own_look, is_sensor, has_body);
             if part.round {
                 let center = [(bounds.left + bounds.right) / 2.0, (bounds.bottom + bounds.top) / 2.0];
                 let radius = (bounds.right - bounds.left) / 2.0 * frame.scale;

@@ -21,6 +21,7 @@ text{font:12px system-ui,-apple-system,\"Segoe UI\",\"Helvetica Neue\",Arial,\"D
 .hero{fill:#bc4c00;fill-opacity:.2;stroke:#bc4c00;stroke-width:2}
 .ghost{fill:none;stroke:#bc4c00;stroke-opacity:.6}
 .sensor{fill:none;stroke-width:1.2;stroke-dasharray:3 2.5}
+.ghostly{fill-opacity:.12;stroke-width:1.5;stroke-dasharray:5 2.5}
 .trail{fill:none;stroke:#6639ba;stroke-opacity:.5;stroke-width:1.2;stroke-linejoin:round}
 .mover{fill:none;stroke:#6639ba;stroke-opacity:.5}.gone{fill:none;stroke:#cf222e;stroke-width:2}
 .casing,.route{fill:none;stroke-linejoin:round;stroke-linecap:round}

@@ -66,6 +66,7 @@
 (map_text "\"" @string)
 (map_row) @string.special
 (digits) @number
+(color) @constant
 (exponent) @number
 (unit) @type.builtin
 [(true) (false)] @boolean
@@ -82,7 +83,7 @@
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
   "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
-  "condition" "chance" "signal" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "wrap" "int"
+  "condition" "chance" "signal" "look" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "wrap" "int"
 ] @keyword
 (bool_domain) @keyword
 [

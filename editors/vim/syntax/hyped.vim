@@ -67,6 +67,8 @@ syn match hypedModifier /\<initial\>\ze\s\+\%(mode\|when\)\>/ contained
 syn match hypedModifier /\<always\>\ze\s*\%({\|\/\/\|$\)/ contained
 syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=condition\>\ze\s\+\K\k*\s*==\@!/ contained nextgroup=hypedLabel skipwhite
 syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=signal\>\ze\s\+\K/ contained nextgroup=hypedIdentifier skipwhite
+syn match hypedMember /\%(\%(^\|[{;}]\)\s*\)\@<=look\>\ze\s*[#"]/ contained nextgroup=hypedColor skipwhite
+syn match hypedColor /#\k*/ contained
 syn match hypedStatement /\%(\%(^\|[{;}]\)\s*\)\@<=send\>\ze\s\+\%(all\s\+\)\?\K\k*\./
 syn match hypedDeclaration /\%(\%(^\|[{;}]\)\s*\)\@<=chance\>\ze\s\+\K\k*\s*:=\@!/ contained nextgroup=hypedIdentifier skipwhite
 syn match hypedFollow /\<follow\s\+links\>\%(\s*\%('\|:\?=\)\)\@!/ contained
@@ -92,10 +94,13 @@ syn match hypedOperand /\%(\%(not\|true\|false\|none\|self\|timer\|if\|clamp\)\>
 " ---- worlds -----------------------------------------------------------------------------------------------------------
 
 syn region hypedWorld matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedWorldItem
-syn cluster hypedWorldItem contains=@hypedExpression,hypedItem,hypedTimes,hypedTiles,hypedSpaceWord
+syn cluster hypedWorldItem contains=@hypedExpression,hypedItem,hypedColor,hypedTimes,hypedTiles,hypedSpaceWord
 
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=step\>\%(\s*\%([=:.,)*/+<>]\|$\)\)\@!/ contained
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=limit\>\ze\s\+\K\k*\s\+[[:keyword:](]/ contained nextgroup=hypedType skipwhite
+syn match hypedColor /\%(:\s*\)\@<=#\k*/ contained
+syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=look\>\ze\s\+\K\k*\s*\%(,\|:=\@!\)/ contained
+syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=look\>\ze\s*"[^"]*"\s*[,:]/ contained
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=player\>\ze\s\+\d/ contained
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=\%(goal\|never\)\>\ze\s\+\K\k*\s*:=\@!/ contained nextgroup=hypedLabel skipwhite
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=condition\>\ze\s\+\K\k*\s*==\@!/ contained nextgroup=hypedLabel skipwhite
@@ -162,6 +167,7 @@ hi def link hypedImport Include
 hi def link hypedStructure Structure
 hi def link hypedSpaceWord Structure
 hi def link hypedMember Structure
+hi def link hypedColor Constant
 hi def link hypedModifier StorageClass
 hi def link hypedDeclaration StorageClass
 hi def link hypedDomainWord Type

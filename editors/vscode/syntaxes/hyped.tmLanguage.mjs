@@ -26,7 +26,7 @@ const TAG = r`(?!(?:and|or|not|in|is|as|when|mode|true|false|none|self|timer|if|
 const FREE = r`(?!touching\b)${TAG}`;
 const FUNCTIONS = 'min|max|abs|sign|floor|ceil|round|sqrt|sin|cos|atan2|mod|pressed|held|released|touching|entering|exiting|lost|near|distance|inside|count|received|clamp|if|timer';
 const ITEM = r`^[ \t]*(?:entity|behavior|world|import|const)\b`;
-const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|player|condition|goal|never)\b`;
+const WORLD_ITEM = r`^[ \t]*(?:entity|behavior|world|import|const|tiles|space|collide|limit|look|player|condition|goal|never)\b`;
 
 // ---- parts of rules --------------------------------------------------------------------------------------------------
 
@@ -107,6 +107,7 @@ const repository = {
         groups(r`(${FREE})`, 'variable.other.member'),
         COMMA,
       ]),
+      groups(r`${START}(look)(?=\s*[#"])(?:\s*(#[\p{L}\p{N}]*))?`, 'keyword.control', 'constant.other.color'),
       groups(r`${START}(chance)\s+(${NAME})\s*(:)(?!=)`, 'storage.type', 'variable.other.member', 'punctuation.separator'),
       groups(r`\b(initial)(?=\s+(?:mode|when)\b)`, 'storage.modifier'),
       groups(r`\b(always)(?=\s*(?:\{|//|$))`, 'storage.type'),
@@ -176,6 +177,15 @@ const repository = {
         block(...use('space-items')),
       ], 'meta.space'),
       groups(r`${START}(limit)\s+(${NAME})(?=\s+[\p{L}\d_(])`, 'keyword.control', 'entity.name.type'),
+      between(r`${START}(look)(?=\s+${NAME}\s*[,:](?!=)|\s*"[^"]*"\s*[,:])`, ['keyword.control'], END, [], [
+        ...use('comments'),
+        between('(:)', ['punctuation.separator'], END, [], [
+          ...use('comments'),
+          all(r`#[\p{L}\p{N}]*`, 'constant.other.color'),
+          all('"[^"]*"', 'string.quoted.double'),
+        ]),
+        ...use('tags'),
+      ], 'meta.look'),
       groups(r`${START}(player)(?=\s+\d)`, 'keyword.control'),
       groups(r`${START}(goal|never)\s+(${NAME})\s*(:)(?!=)`, 'storage.type', 'entity.name.label', 'punctuation.separator'),
       groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),

@@ -31,10 +31,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("view", &["ir"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
-    (
-        "studio",
-        &["source", "watch", "diagnostic", "syntax", "ir", "compile", "sim", "reach", "graph"],
-    ),
+    ("studio", &["source", "watch", "diagnostic", "syntax", "ir", "compile", "sim", "reach", "graph"]),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",
@@ -69,7 +66,9 @@ const FOLDER_RULES: &[(&str, &[&str])] = &[
     ("analysis/step", &["analysis::fixpoint", "analysis::membership", "analysis::findings"]),
     ("analysis/fixpoint", &["analysis::membership", "analysis::findings"]),
     ("lsp/text", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::location", "lsp::features", "lsp::protocol"]),
-    ("lsp/features", &["lsp::protocol"]),
+    ("lsp/features", &["lsp::protocol", "lsp::service"]),
+    ("lsp/service", &["lsp::protocol"]),
+    ("lsp/protocol", &["lsp::service"]),
     ("lsp/view", &["lsp::features", "lsp::protocol"]),
     ("lsp/values", &["lsp::view", "lsp::snapshot", "lsp::documents", "lsp::features", "lsp::protocol"]),
     ("lsp/snapshot", &["lsp::view", "lsp::features", "lsp::protocol"]),

@@ -13,5 +13,5 @@ mod sliders;
 
 pub use project::Level;
 pub use protocol::*;
-pub use search::Task;
+pub use search::{Listener, Task};
 pub use session::Session;

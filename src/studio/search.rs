@@ -20,6 +20,8 @@ const MAX_POINTS: usize = 20_000;
 
 /// Work for another thread, or for the same one where there are no threads.
 pub type Task = Box<dyn FnOnce() + Send>;
+/// Takes how far a search is, while it runs.
+pub type Listener = Box<dyn Fn(Searching) + Send + Sync>;
 
 /// A search that runs or has ended.
 pub(super) struct Search {
@@ -45,6 +47,8 @@ struct Shared {
     /// The result; its points are told once.
     result: Mutex<Option<Searching>>,
     budget: u64,
+    /// Told of all progress: where a search blocks the session, nobody polls it.
+    listener: Option<Arc<Listener>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -58,6 +62,9 @@ impl Watch for Shared {
 
     fn progress(&self, progress: Progress) {
         *lock(&self.progress) = progress;
+        if let Some(listener) = &self.listener {
+            listener(Searching { is_running: true, ..of_progress(progress, self.budget) });
+        }
     }
 }
 
@@ -73,12 +80,13 @@ impl Supervisor for Watched<'_> {
 
 impl Search {
     /// Starts a search.
-    pub fn start(question: Question, spawn: &dyn Fn(Task)) -> Search {
+    pub fn start(question: Question, spawn: &dyn Fn(Task), listener: Option<Arc<Listener>>) -> Search {
         let shared = Arc::new(Shared {
             is_stopped: AtomicBool::new(false),
             progress: Mutex::default(),
             result: Mutex::default(),
             budget: question.nodes,
+            listener,
         });
         let of_thread = Arc::clone(&shared);
         spawn(Box::new(move || {
@@ -194,8 +202,7 @@ fn script<'f>(found: &'f Found<'_>) -> Option<&'f Script> {
 fn points(found: &Found<'_>) -> Vec<[f64; 3]> {
     let record = &found.outcome.record;
     let every = record.len().div_ceil(MAX_POINTS).max(1);
-    let point = |v: &crate::reach::Visited| {
-        [crate::ir::Id::index(v.space) as f64, f64::from(v.at[0]), f64::from(v.at[1])]
-    };
+    let point =
+        |v: &crate::reach::Visited| [crate::ir::Id::index(v.space) as f64, f64::from(v.at[0]), f64::from(v.at[1])];
     record.iter().step_by(every).map(point).collect()
 }

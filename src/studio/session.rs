@@ -16,7 +16,7 @@ use super::inspect::inspect;
 use super::project::{Level, Project, findings};
 use super::protocol::{Answer, Finding, Opened, Request, Target};
 use super::scene::scene;
-use super::search::{Question, Search, Task};
+use super::search::{Listener, Question, Search, Task};
 use super::sliders;
 
 /// Maximum number of frames of a ghost.
@@ -34,6 +34,7 @@ pub struct Session {
     game: Option<Game>,
     search: Option<Search>,
     spawn: Box<dyn Fn(Task) + Send>,
+    listener: Option<Arc<Listener>>,
     /// The findings of the last compilation.
     findings: Vec<Finding>,
     /// Whether the game is the program of that compilation.
@@ -58,10 +59,16 @@ impl Session {
             game: None,
             search: None,
             spawn,
+            listener: None,
             findings: Vec::new(),
             is_current: false,
             worlds: Vec::new(),
         }
+    }
+
+    /// Tells a listener how far searches are, in addition to [`Request::Poll`].
+    pub fn on_progress(&mut self, listener: Listener) {
+        self.listener = Some(Arc::new(listener));
     }
 
     /// The files that the program was made of, levels included.
@@ -239,7 +246,8 @@ impl Session {
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
         let (program, sources) = (Arc::clone(&game.program), game.sources.clone());
-        let question = |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
+        let question =
+            |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
         let question = match target {
             Target::Goal(goal) => {
                 let id = game.world().goal_named(goal).ok_or_else(|| unknown("goal", goal))?;
@@ -262,7 +270,7 @@ impl Session {
                 question(program, compilation.sources, world, reach::Target::Never(never))
             }
         };
-        let search = Search::start(question, &*self.spawn);
+        let search = Search::start(question, &*self.spawn, self.listener.clone());
         let answer = search.poll();
         self.search = Some(search);
         Ok(Answer::Searching(answer))

@@ -23,6 +23,10 @@ pub trait Watch: Sync {
 
     /// Reports progress.
     fn progress(&self, _progress: Progress) {}
+
+    /// Reports the place of a new node of a search that records its nodes: the space of the first player by its index,
+    /// and the player's position, px.
+    fn node(&self, _space: usize, _at: [f32; 2]) {}
 }
 
 /// Never stops, and ignores progress.
@@ -69,6 +73,11 @@ impl<'w> Meter<'w> {
     #[inline]
     pub fn new(watch: &'w dyn Watch) -> Self {
         Meter { watch, since: Cell::new(0), is_stopped: Cell::new(false) }
+    }
+
+    /// The watch that it polls.
+    pub fn watch(&self) -> &'w dyn Watch {
+        self.watch
     }
 
     /// Counts work that was or will be done; returns whether to stop.

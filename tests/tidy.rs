@@ -31,7 +31,10 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("view", &["ir"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
-    ("studio", &["source", "watch", "diagnostic", "syntax", "ir", "compile", "sim", "reach", "graph"]),
+    (
+        "studio",
+        &["source", "watch", "diagnostic", "syntax", "ir", "level", "analysis", "compile", "sim", "reach", "graph"],
+    ),
     ("lsp", &["source", "watch", "diagnostic", "syntax", "format", "sema", "ir", "analysis", "compile"]),
     (
         "cli",

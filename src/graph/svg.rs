@@ -89,7 +89,10 @@ impl Drawing<'_> {
                 LineKind::Guard(edge) => {
                     let edge = &self.chart.edges[edge];
                     let (color, center) = (color(edge.target), x + 7.0);
-                    self.line(&format!("<circle cx=\"{center:.1}\" cy=\"{:.1}\" r=\"7.5\" fill=\"{color}\"/>", line.y));
+                    let (id, y) = (edge.id, line.y);
+                    self.line(&format!(
+                        "<circle data-edge=\"{id}\" cx=\"{center:.1}\" cy=\"{y:.1}\" r=\"7.5\" fill=\"{color}\"/>"
+                    ));
                     self.text("number", (center, line.y), &edge.order.to_string());
                     self.text("", (x + NUMBER, line.y), &line.text);
                 }
@@ -118,7 +121,8 @@ impl Drawing<'_> {
             let (from, start) = self.layout.start(id);
             let turn = if start < end { ROUND } else { -ROUND };
             self.line(&format!(
-                "<path class=\"way\" stroke=\"{color}\" d=\"M{:.1} {start:.1}H{:.1}Q{x:.1} {start:.1} {x:.1} {:.1}V{:.1}Q{x:.1} {end:.1} {:.1} {end:.1}H{:.1}\"><title>{}</title></path>",
+                "<path class=\"way\" data-edge=\"{}\" stroke=\"{color}\" d=\"M{:.1} {start:.1}H{:.1}Q{x:.1} {start:.1} {x:.1} {:.1}V{:.1}Q{x:.1} {end:.1} {:.1} {end:.1}H{:.1}\"><title>{}</title></path>",
+                edge.id,
                 from + 5.0,
                 x - ROUND,
                 start + turn,

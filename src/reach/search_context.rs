@@ -170,7 +170,9 @@ impl<'a> SearchContext<'a> {
         let (x, y) = self.problem.sim.position(state, player);
         let parent = (begin + parent.index()) as u32;
         let space = self.problem.sim.space(state, player);
-        self.notes.record.push(Visited { parent, space, at: [x as f32, y as f32] });
+        let at = [x as f32, y as f32];
+        self.notes.record.push(Visited { parent, space, at });
+        self.meter.watch().node(space.0 as usize, at);
     }
 
     /// Number of starts.

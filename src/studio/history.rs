@@ -14,7 +14,7 @@ const SPACING: u64 = 64;
 /// Maximum number of kept states: if there are as many, every second one is dropped.
 const MAX_KEPT: usize = 512;
 /// Maximum number of events that one answer reports.
-const MAX_EVENTS: usize = 200;
+const MAX_EVENTS: usize = 2_000;
 /// Maximum number of steps of a run: ten hours at 60 steps a second.
 pub(super) const MAX_LENGTH: u64 = 60 * 60 * 60 * 10;
 
@@ -179,7 +179,13 @@ impl History {
     /// Shows another frame of the history; the last one if there are not so many.
     pub fn seek(&mut self, frame: u64) {
         let frame = frame.min(self.length);
-        self.events.clear();
+        // What happened on the way was told when it was played.
+        let untold = std::mem::take(&mut self.events);
+        self.go_to(frame);
+        self.events = untold;
+    }
+
+    fn go_to(&mut self, frame: u64) {
         if frame == self.at() {
             return;
         }
@@ -200,13 +206,13 @@ impl History {
             }
         }
         self.ended = ended;
-        self.events.clear();
     }
 
     /// Plays a script from the first state. Returns the number of steps that were played.
     pub fn play(&mut self, script: &Script) -> u64 {
         self.seek(0);
         self.cut(0);
+        self.events.clear();
         for input in script.inputs() {
             if !self.step(input) {
                 break;

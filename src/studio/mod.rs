@@ -2,8 +2,10 @@
 //! [requests](Request) with typed [answers](Answer). It does no input or output: `hypedc play` carries it to a page over
 //! a WebSocket, the playground runs it in the page's worker.
 
+mod bounds;
 mod history;
 mod inspect;
+mod paint;
 mod project;
 mod protocol;
 mod scene;

@@ -77,9 +77,25 @@ impl Project {
         Overlay { project: self, is_adjusted }
     }
 
-    /// The text of a file as the program has it.
-    pub fn text(&self, path: &Path) -> Result<String, ReadError> {
-        self.files(true).read(path)
+    /// The file of the level from the command line.
+    pub fn level_path(&self) -> Option<&Path> {
+        self.level.map.as_deref()
+    }
+
+    /// The text that replaces a file, if one does.
+    pub fn edited(&self, path: &Path) -> Option<&String> {
+        self.edited.get(path)
+    }
+
+    /// The text of a file with numbers that were set, if there are any in it.
+    pub fn adjusted(&self, path: &Path) -> Option<&String> {
+        self.adjusted.get(path)
+    }
+
+    /// The files whose texts differ from the disk.
+    pub fn unsaved(&self) -> impl Iterator<Item = &PathBuf> {
+        let differs = |path: &&PathBuf| self.files.read(path).ok().as_ref() != self.edited.get(*path);
+        self.edited.keys().filter(differs)
     }
 
     /// Reads a file from a text, or from the disk again. Numbers that were set in it are forgotten.
@@ -89,6 +105,11 @@ impl Project {
             Some(text) => self.edited.insert(path, text),
             None => self.edited.remove(&path),
         };
+    }
+
+    /// Replaces the text of a file; numbers that were set in it stay set.
+    pub fn write(&mut self, path: PathBuf, text: String) {
+        self.edited.insert(path, text);
     }
 
     /// Forgets all numbers that were set.

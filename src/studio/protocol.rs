@@ -38,6 +38,11 @@ pub enum Request {
         /// Its slot.
         slot: u32,
     },
+    /// What the values of an instance can be at all, by the analysis: it runs beside the play.
+    Bounds {
+        /// Its slot.
+        slot: u32,
+    },
     /// The statechart of an entity.
     Chart {
         /// Its name.
@@ -59,11 +64,19 @@ pub enum Request {
         /// The new value, in the unit in which it is written.
         value: f64,
     },
+    /// Writes a number that was set into the text, and only this one; numbers that were set before stay set.
+    Write {
+        /// Which: its index in the last list of sliders.
+        slider: usize,
+    },
     /// The text of a file of the program, with the numbers that were set.
     Text {
         /// Its path; that of the main file if there is none.
         #[serde(default)]
         path: Option<String>,
+        /// Whether it is wanted without the numbers that were set.
+        #[serde(default)]
+        written: bool,
     },
     /// Reads a file from this text from now on, in place of the one on the disk.
     Edit {
@@ -73,6 +86,17 @@ pub enum Request {
         /// Its text; the file on the disk is read again if there is none.
         text: Option<String>,
     },
+    /// Paints a cell of a map: replaces its character in the text, and plays the inputs of the history again.
+    Paint {
+        /// The space.
+        space: usize,
+        /// The cell, as in [`MapInfo::cells`].
+        cell: usize,
+        /// The new character.
+        symbol: String,
+    },
+    /// Takes back the last [`Request::Paint`] or [`Request::Write`].
+    Undo,
     /// Starts a search from the current frame; a search that runs is stopped.
     Search {
         /// What is searched for.
@@ -90,7 +114,7 @@ pub enum Request {
 }
 
 /// What a search is for.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// A goal by its name.
@@ -99,6 +123,8 @@ pub enum Target {
     Never(String),
     /// A predicate, as `hypedc reach --without` takes it.
     Predicate(String),
+    /// A place for the first player: the space, x and y.
+    Place([f64; 3]),
 }
 
 /// The inputs of all players in one step, in the order of [`Scene::players`].
@@ -131,11 +157,19 @@ pub enum Answer {
     },
     /// An instance.
     Inspected(Box<Inspected>),
+    /// What the values of an instance can be.
+    Bounds {
+        /// Whether the analysis has ended; otherwise there are no values yet.
+        is_ready: bool,
+        /// The values, with kinds and names as in [`Inspected::values`].
+        values: Vec<Value>,
+    },
     /// A statechart.
     Chart {
         /// The entity.
         entity: String,
-        /// The picture. The group of a mode has the attribute `data-mode`: its index in [`EntityInfo::modes`].
+        /// The picture. The group of a mode has the attribute `data-mode`: its index in [`EntityInfo::modes`]; an
+        /// edge has the attribute `data-edge`: as [`EdgeState::edge`].
         svg: String,
     },
     /// A script, or a text.
@@ -166,6 +200,10 @@ pub struct Opened {
     pub findings: Vec<Finding>,
     /// Whether the program is the one of these texts; otherwise they have errors, and the last good one goes on.
     pub is_current: bool,
+    /// The paths of the files that the program is made of, the main one first.
+    pub files: Vec<String>,
+    /// The paths of those that differ from the disk.
+    pub unsaved: Vec<String>,
     /// The names of the worlds.
     pub worlds: Vec<String>,
     /// What does not change while the world runs; none if there was no program without errors yet.
@@ -222,8 +260,6 @@ pub struct Scene {
     pub step: f64,
     /// The names of all tags.
     pub tags: Vec<String>,
-    /// Pairs of tags whose contact holds something back: `[pushed, pushing]`.
-    pub solid: Vec<[usize; 2]>,
     /// The players in the order in which inputs name them.
     pub players: Vec<PlayerInfo>,
     /// The spaces.
@@ -262,10 +298,44 @@ pub struct SpaceInfo {
     pub wraps: [bool; 2],
     /// Its tiles.
     pub map: Option<MapInfo>,
-    /// Free-standing geometry: tags and `[left, bottom, right, top]`.
-    pub solids: Vec<(Vec<usize>, [f64; 4])>,
-    /// Ways out: where they begin, and the space they lead to.
-    pub links: Vec<([f64; 4], usize)>,
+    /// Free-standing geometry.
+    pub solids: Vec<SolidInfo>,
+    /// Ways out.
+    pub links: Vec<LinkInfo>,
+}
+
+/// What static geometry is for the players; for other instances, if no player meets it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Role {
+    /// Nobody meets it.
+    Scenery,
+    /// It is sensed, and does not push.
+    Sensed,
+    /// Solid from above only.
+    OneWay,
+    /// Solid.
+    Solid,
+}
+
+/// A free-standing rectangle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SolidInfo {
+    /// Its tags.
+    pub tags: Vec<usize>,
+    /// What it is for the players.
+    pub role: Role,
+    /// `[left, bottom, right, top]`, px.
+    pub area: [f64; 4],
+}
+
+/// A way to another space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LinkInfo {
+    /// Where it begins: `[left, bottom, right, top]`, px.
+    pub area: [f64; 4],
+    /// The space it leads to.
+    pub space: usize,
 }
 
 /// A tile map. Its lower left corner is at (0, 0).
@@ -277,6 +347,8 @@ pub struct MapInfo {
     pub rows: usize,
     /// Width and height of a tile, px.
     pub tile: [f64; 2],
+    /// Whether its cells are characters that can be painted.
+    pub is_painted: bool,
     /// The kinds of tiles.
     pub kinds: Vec<TileInfo>,
     /// For each cell, from the upper left one row by row, its kind, or -1.
@@ -288,6 +360,10 @@ pub struct MapInfo {
 pub struct TileInfo {
     /// Its symbol in the map.
     pub symbol: String,
+    /// What it is, in a few words.
+    pub label: String,
+    /// What it is for the players.
+    pub role: Role,
     /// Its tags.
     pub tags: Vec<usize>,
     /// The ends of its slope within the tile, px: `[x1, y1, x2, y2]`.

@@ -1,9 +1,13 @@
 //! A world as the page draws it: what does not change, and a state.
 
-use crate::ir::{Bounds, Entity, Id, Origin, Program, Push, SlotId, Space, TagId, TagSet, TileMap, World};
+use std::sync::Arc;
+
+use crate::ir::{Bounds, Entity, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
 use crate::sim::Simulator;
 
-use super::protocol::{ColliderInfo, EntityInfo, Frame, MapInfo, PlayerInfo, Scene, SlotInfo, SpaceInfo, TileInfo};
+use super::protocol::{
+    ColliderInfo, EntityInfo, Frame, LinkInfo, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo, SpaceInfo, TileInfo,
+};
 
 /// The side of a space without anything in it, px.
 const EMPTY_SIDE: f64 = 256.0;
@@ -32,7 +36,6 @@ pub(super) fn scene(path: &str, sim: &Simulator) -> Scene {
         world: world.name.clone(),
         step: world.step.seconds(),
         tags: program.tags.iter().cloned().collect(),
-        solid: solid_pairs(program, world),
         players: world.players.pairs().map(player).collect(),
         spaces: world.spaces.pairs().map(|(id, _)| space_info(sim, id)).collect(),
         entities: program.entities.iter().map(|entity| entity_info(world, entity)).collect(),
@@ -42,20 +45,21 @@ pub(super) fn scene(path: &str, sim: &Simulator) -> Scene {
     }
 }
 
-/// Pairs of tags whose contact pushes.
-fn solid_pairs(program: &Program, world: &World) -> Vec<[usize; 2]> {
-    let mut pairs = Vec::new();
-    for a in program.tags.ids() {
-        for b in program.tags.ids() {
-            let pushes = world.collide.iter().any(|line| {
-                line.response.push != Push::Sense && line.left.meets(TagSet::of(a)) && line.right.meets(TagSet::of(b))
-            });
-            if pushes {
-                pairs.push([a.index(), b.index()]);
-            }
-        }
-    }
-    pairs
+/// What static geometry with some tags is for the players, or else for anything.
+fn role(sim: &Simulator, tags: TagSet) -> Role {
+    let (program, world) = (sim.program(), sim.world());
+    let strongest = |entities: &mut dyn Iterator<Item = &Arc<Entity>>| {
+        let colliders = entities.flat_map(|entity| entity.colliders.iter());
+        let meetings = colliders.filter_map(|collider| world.meeting(collider.tags, tags));
+        let roles = meetings.map(|meeting| match meeting.response.push {
+            Push::Sense => Role::Sensed,
+            Push::FromAbove => Role::OneWay,
+            Push::Block => Role::Solid,
+        });
+        roles.max()
+    };
+    let of_players = strongest(&mut world.players.iter().map(|of| &program.entities[world.slots[of.slot].entity]));
+    of_players.or_else(|| strongest(&mut program.entities.iter())).unwrap_or(Role::Scenery)
 }
 
 fn tag_numbers(tags: &[TagId]) -> Vec<usize> {
@@ -87,13 +91,19 @@ fn entity_info(world: &World, entity: &Entity) -> EntityInfo {
 fn space_info(sim: &Simulator, id: crate::ir::SpaceId) -> SpaceInfo {
     let (world, space) = (sim.world(), &sim.world().spaces[id]);
     let corners = |b: Bounds| [b.left, b.bottom, b.right, b.top];
+    let solid = |solid: &crate::ir::Solid| SolidInfo {
+        tags: numbers(solid.tags),
+        role: role(sim, solid.tags),
+        area: corners(solid.bounds),
+    };
+    let link = |link: &crate::ir::Link| LinkInfo { area: corners(link.from), space: link.space.index() };
     SpaceInfo {
         name: space.name.clone(),
         extent: corners(space.extent().unwrap_or_else(|| extent_of_contents(world, space, id))),
         wraps: space.periods.each_ref().map(Option::is_some),
-        map: space.map.as_ref().map(map_info),
-        solids: space.solids.iter().map(|solid| (numbers(solid.tags), corners(solid.bounds))).collect(),
-        links: space.links.iter().map(|link| (corners(link.from), link.space.index())).collect(),
+        map: space.map.as_ref().map(|map| map_info(sim, map)),
+        solids: space.solids.iter().map(solid).collect(),
+        links: space.links.iter().map(link).collect(),
     }
 }
 
@@ -108,12 +118,23 @@ fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> B
     let finite = |b: &Bounds| [b.left, b.right, b.bottom, b.top].iter().all(|side| side.is_finite());
     let around = fixed.chain(placed).filter(finite).reduce(Bounds::join);
     let all = around.unwrap_or(Bounds::new([0.0, 0.0, EMPTY_SIDE, EMPTY_SIDE]));
-    Bounds { left: all.left - MARGIN, right: all.right + MARGIN, bottom: all.bottom - MARGIN, top: all.top + MARGIN }
+    Bounds {
+        left: all.left - MARGIN,
+        right: all.right + MARGIN,
+        bottom: all.bottom - MARGIN,
+        top: all.top + MARGIN,
+    }
 }
 
-fn map_info(map: &TileMap<TagId>) -> MapInfo {
+fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
+    let names = |tags: &[TagId]| {
+        let names: Vec<&str> = tags.iter().filter_map(|tag| sim.program().tags.get(*tag).map(String::as_str)).collect();
+        if names.is_empty() { "empty".to_string() } else { names.join(", ") }
+    };
     let kind = |kind: &crate::ir::TileKind<TagId>| TileInfo {
         symbol: kind.symbol.to_string(),
+        label: names(&kind.tags),
+        role: role(sim, kind.tags.iter().copied().collect()),
         tags: tag_numbers(&kind.tags),
         slope: kind.slope.map(|slope| [0.0, slope.left, map.tile.0, slope.right]),
         breakable: kind.breakable.is_some(),
@@ -126,6 +147,8 @@ fn map_info(map: &TileMap<TagId>) -> MapInfo {
         columns: map.columns,
         rows: map.rows,
         tile: [map.tile.0, map.tile.1],
+        // Told by the text.
+        is_painted: false,
         kinds: map.kinds.iter().map(kind).collect(),
         cells,
     }

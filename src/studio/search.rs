@@ -15,7 +15,7 @@ use crate::watch::{Progress, Watch};
 use super::history::paths_of;
 use super::protocol::Searching;
 
-/// Maximum number of positions of nodes that one answer reports.
+/// Maximum number of positions of nodes that wait for the next answer.
 const MAX_POINTS: usize = 20_000;
 
 /// Work for another thread, or for the same one where there are no threads.
@@ -44,7 +44,9 @@ pub(super) struct Question {
 struct Shared {
     is_stopped: AtomicBool,
     progress: Mutex<Progress>,
-    /// The result; its points are told once.
+    /// The positions of new nodes since the last answer.
+    points: Mutex<Vec<[f64; 3]>>,
+    /// The result.
     result: Mutex<Option<Searching>>,
     budget: u64,
     /// Told of all progress: where a search blocks the session, nobody polls it.
@@ -63,7 +65,15 @@ impl Watch for Shared {
     fn progress(&self, progress: Progress) {
         *lock(&self.progress) = progress;
         if let Some(listener) = &self.listener {
-            listener(Searching { is_running: true, ..of_progress(progress, self.budget) });
+            let points = std::mem::take(&mut *lock(&self.points));
+            listener(Searching { is_running: true, points, ..of_progress(progress, self.budget) });
+        }
+    }
+
+    fn node(&self, space: usize, at: [f32; 2]) {
+        let mut points = lock(&self.points);
+        if points.len() < MAX_POINTS {
+            points.push([space as f64, f64::from(at[0]), f64::from(at[1])]);
         }
     }
 }
@@ -84,6 +94,7 @@ impl Search {
         let shared = Arc::new(Shared {
             is_stopped: AtomicBool::new(false),
             progress: Mutex::default(),
+            points: Mutex::default(),
             result: Mutex::default(),
             budget: question.nodes,
             listener,
@@ -98,13 +109,13 @@ impl Search {
 
     /// How far it is.
     pub fn poll(&self) -> Searching {
-        let mut result = lock(&self.shared.result);
-        if let Some(ended) = &mut *result {
-            let points = std::mem::take(&mut ended.points);
+        let result = lock(&self.shared.result);
+        let points = std::mem::take(&mut *lock(&self.shared.points));
+        if let Some(ended) = &*result {
             return Searching { points, ..ended.clone() };
         }
         let progress = *lock(&self.shared.progress);
-        Searching { is_running: true, ..of_progress(progress, self.shared.budget) }
+        Searching { is_running: true, points, ..of_progress(progress, self.shared.budget) }
     }
 
     /// Asks it to end with what it has.
@@ -176,7 +187,6 @@ impl Question {
         Searching {
             nodes: answer.nodes,
             places: answer.coverage.places,
-            points: points(&found),
             verdict: Some(verdict.join("; ")),
             conclusion: Some(answer.verdict.name().to_string()),
             ghost: script.map_or(Vec::new(), |script| paths_of(&session_simulator(&program, world), script, steps)),
@@ -196,13 +206,4 @@ fn script<'f>(found: &'f Found<'_>) -> Option<&'f Script> {
         Verdict::Reached(plan) => Some(&plan.script),
         Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
     }
-}
-
-/// The positions of the nodes, a sample if there are many.
-fn points(found: &Found<'_>) -> Vec<[f64; 3]> {
-    let record = &found.outcome.record;
-    let every = record.len().div_ceil(MAX_POINTS).max(1);
-    let point =
-        |v: &crate::reach::Visited| [crate::ir::Id::index(v.space) as f64, f64::from(v.at[0]), f64::from(v.at[1])];
-    record.iter().step_by(every).map(point).collect()
 }

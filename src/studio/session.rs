@@ -11,10 +11,12 @@ use crate::reach;
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::{Files, SourceMap};
 
+use super::bounds::{Analysis, bounds};
 use super::history::{History, MAX_LENGTH};
 use super::inspect::inspect;
+use super::paint::Written;
 use super::project::{Level, Project, findings};
-use super::protocol::{Answer, Finding, Opened, Request, Target};
+use super::protocol::{Answer, Finding, Opened, Request, Scene, Target};
 use super::scene::scene;
 use super::search::{Listener, Question, Search, Task};
 use super::sliders;
@@ -25,6 +27,10 @@ const MAX_GHOST: u64 = 7_200;
 const MAX_STEPS_AT_ONCE: usize = 3_600;
 /// Maximum number of steps that are predicted.
 const MAX_PREDICTED: u32 = 3_600;
+/// Maximum number of changes that can be taken back.
+const MAX_UNDONE: usize = 500;
+/// How near a place must be reached, px.
+const NEAR: f64 = 8.0;
 /// The name under which a predicate of the page is compiled.
 const SEARCHED: &str = "searched";
 
@@ -35,11 +41,15 @@ pub struct Session {
     search: Option<Search>,
     spawn: Box<dyn Fn(Task) + Send>,
     listener: Option<Arc<Listener>>,
+    /// The files that the last compilation has read.
+    sources: Vec<PathBuf>,
     /// The findings of the last compilation.
     findings: Vec<Finding>,
     /// Whether the game is the program of that compilation.
     is_current: bool,
     worlds: Vec<String>,
+    /// The texts of files before the last changes, the latest last; none of a file that was as on the disk.
+    undone: Vec<(PathBuf, Option<String>)>,
 }
 
 /// A program that is played.
@@ -48,6 +58,8 @@ struct Game {
     sources: SourceMap,
     world: WorldId,
     history: History,
+    scene: Scene,
+    analysis: Analysis,
 }
 
 impl Session {
@@ -60,9 +72,11 @@ impl Session {
             search: None,
             spawn,
             listener: None,
+            sources: Vec::new(),
             findings: Vec::new(),
             is_current: false,
             worlds: Vec::new(),
+            undone: Vec::new(),
         }
     }
 
@@ -71,12 +85,13 @@ impl Session {
         self.listener = Some(Arc::new(listener));
     }
 
-    /// The files that the program was made of, levels included.
+    /// The files that the program was made of, levels included; the main file first.
     pub fn paths(&self) -> Vec<PathBuf> {
-        let read = self.game.iter().flat_map(|game| game.sources.iter().map(|(_, file)| file.path.clone()));
-        let mut paths: Vec<PathBuf> = read.chain([self.project.root.clone()]).collect();
+        let mut paths: Vec<PathBuf> = self.sources.clone();
+        paths.retain(|path| *path != self.project.root);
         paths.sort();
         paths.dedup();
+        paths.insert(0, self.project.root.clone());
         paths
     }
 
@@ -113,9 +128,24 @@ impl Session {
                 let (now, written) = (self.project.files(true), self.project.files(false));
                 Ok(Answer::Sliders { sliders: sliders::sliders(&self.project.root, &now, &written) })
             }
-            Request::Text { path } => {
+            Request::Write { slider } => {
+                let (path, text) = self.written(slider).ok_or("there is no such number")?;
+                self.note_change(&path);
+                self.project.write(path, text);
+                self.compile(None)
+            }
+            Request::Paint { space, cell, symbol } => {
+                self.paint(space, cell, &symbol)?;
+                self.compile(None)
+            }
+            Request::Undo => {
+                let (path, text) = self.undone.pop().ok_or("there is nothing to take back")?;
+                self.project.edit(path, text);
+                self.compile(None)
+            }
+            Request::Text { path, written } => {
                 let path = self.path(path)?;
-                let text = self.project.text(&path);
+                let text = self.project.files(!written).read(&path);
                 let text = text.map_err(|error| format!("cannot read `{}`: {error:?}", path.display()))?;
                 Ok(Answer::Text { text })
             }
@@ -146,6 +176,16 @@ impl Session {
                     return Err("there is no such instance".to_string());
                 }
                 Ok(Answer::Inspected(inspect(&game.history, &game.sources, slot).into()))
+            }
+            Request::Bounds { slot } => {
+                let Some(game) = &self.game else { return Err("the program has errors".to_string()) };
+                let slot = SlotId(slot);
+                if game.world().slots.get(slot).is_none() {
+                    return Err("there is no such instance".to_string());
+                }
+                let space = game.analysis.result(&game.program, game.world, &*self.spawn);
+                let values = space.map(|space| bounds(&game.program, game.world, space, slot));
+                Ok(Answer::Bounds { is_ready: values.is_some(), values: values.unwrap_or_default() })
             }
             Request::Chart { entity } => {
                 let game = self.game()?;
@@ -183,6 +223,55 @@ impl Session {
         Ok(path)
     }
 
+    /// The file and its text after a number that was set is written.
+    fn written(&self, slider: usize) -> Option<(PathBuf, String)> {
+        let (now, written) = (self.project.files(true), self.project.files(false));
+        let root = &self.project.root;
+        let of = sliders::sliders(root, &now, &written);
+        let of = of.get(slider)?;
+        let before = sliders::sliders(root, &written, &written);
+        let index = before.iter().position(|other| other.entity == of.entity && other.name == of.name)?;
+        sliders::set(root, &written, index, of.value)
+    }
+
+    /// Remembers the text of a file before a change.
+    fn note_change(&mut self, path: &Path) {
+        if self.undone.len() >= MAX_UNDONE {
+            self.undone.remove(0);
+        }
+        self.undone.push((path.to_path_buf(), self.project.edited(path).cloned()));
+    }
+
+    /// Replaces the character of a cell in the text.
+    fn paint(&mut self, space: usize, cell: usize, symbol: &str) -> Result<(), String> {
+        let game = self.game()?;
+        let world = game.world();
+        let of = world.spaces.iter().nth(space).ok_or("there is no such space")?;
+        let map = of.map.as_ref().ok_or("the space has no map")?;
+        if !map.kinds.iter().any(|kind| symbol.chars().eq([kind.symbol])) {
+            return Err(format!("`{symbol}` is no tile of the map"));
+        }
+        let (column, row) = (cell % map.columns.max(1), cell / map.columns.max(1));
+        let (world, space) = (world.name.clone(), of.name.clone());
+        for is_adjusted in [true, false] {
+            let files = self.project.files(is_adjusted);
+            let written = Written::read(&self.project.root, self.project.level_path(), &files);
+            let found = written.cell(&world, &space, column, row);
+            let found = found.and_then(|(path, span)| Some((path, written.replaced(span, symbol)?)));
+            drop(files);
+            let (path, text) = found.ok_or("the map is not written in characters")?;
+            match is_adjusted {
+                true if self.project.adjusted(&path).is_some() => self.project.adjust(path, text),
+                true => {}
+                false => {
+                    self.note_change(&path);
+                    self.project.write(path, text);
+                }
+            }
+        }
+        Ok(())
+    }
+
     fn game(&mut self) -> Result<&mut Game, String> {
         self.game.as_mut().ok_or_else(|| "the program has errors".to_string())
     }
@@ -196,12 +285,13 @@ impl Session {
         let compilation = self.project.compile(None);
         self.findings = findings(&compilation);
         self.is_current = compilation.program.is_some();
+        self.sources = compilation.sources.iter().map(|(_, file)| file.path.clone()).collect();
         let (mut ghost, mut lost) = (Vec::new(), None);
         if let Compilation { program: Some(program), sources, .. } = compilation {
             let old = self.game.take();
             let name = world.or(old.as_ref().map(|old| old.world().name.as_str()));
             self.worlds = program.worlds.iter().map(|world| world.name.clone()).collect();
-            let mut game = match Game::new(program, sources, name) {
+            let mut game = match Game::new(program, sources, name, &self.project) {
                 Ok(game) => game,
                 Err(why) => {
                     // The last good program goes on.
@@ -221,14 +311,16 @@ impl Session {
     }
 
     fn opened(&mut self, ghost: Vec<Vec<[f64; 3]>>, lost: Option<String>) -> Answer {
-        let path = self.project.root.display().to_string();
-        let game = self.game.as_mut();
-        let (scene, shown) = match game {
-            Some(game) => (Some(scene(&path, game.history.sim())), Some(game.history.shown())),
+        let text = |path: &PathBuf| path.display().to_string();
+        let (files, unsaved) = (self.paths().iter().map(text).collect(), self.project.unsaved().map(text).collect());
+        let (scene, shown) = match self.game.as_mut() {
+            Some(game) => (Some(game.scene.clone()), Some(game.history.shown())),
             None => (None, None),
         };
         let opened = Opened {
             findings: self.findings.clone(),
+            files,
+            unsaved,
             is_current: self.is_current,
             worlds: self.worlds.clone(),
             scene,
@@ -246,8 +338,7 @@ impl Session {
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
         let (program, sources) = (Arc::clone(&game.program), game.sources.clone());
-        let question =
-            |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
+        let question = |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
         let question = match target {
             Target::Goal(goal) => {
                 let id = game.world().goal_named(goal).ok_or_else(|| unknown("goal", goal))?;
@@ -257,7 +348,11 @@ impl Session {
                 let id = game.world().never_named(never).ok_or_else(|| unknown("never", never))?;
                 question(program, sources, world, reach::Target::Never(id))
             }
-            Target::Predicate(predicate) => {
+            Target::Predicate(_) | Target::Place(_) => {
+                let predicate = &match target {
+                    Target::Predicate(predicate) => predicate.clone(),
+                    _ => game.near(target)?,
+                };
                 let constraint =
                     ExtraConstraint { predicate, origin: "the question", name: SEARCHED, world: Some(&name) };
                 let compilation = self.project.compile(Some(constraint));
@@ -279,7 +374,12 @@ impl Session {
 
 impl Game {
     /// A game in the world of a name; in the first one, if there is none of the name.
-    fn new(program: Arc<Program>, sources: SourceMap, world: Option<&str>) -> Result<Game, String> {
+    fn new(
+        program: Arc<Program>,
+        sources: SourceMap,
+        world: Option<&str>,
+        project: &Project,
+    ) -> Result<Game, String> {
         let named = world.and_then(|name| program.world_named(name));
         let world = named.or(program.worlds.ids().next()).ok_or("the program has no world to play")?;
         if program.worlds[world].open.is_some() {
@@ -290,11 +390,31 @@ impl Game {
             let fact = fault.fact(&program, world, 0);
             format!("{} ({}, at the start)", fact.what, fact.instance)
         })?;
-        Ok(Game { program, sources, world, history })
+        let mut scene = scene(&project.root.display().to_string(), history.sim());
+        Written::read(&project.root, project.level_path(), &project.files(false)).describe(&mut scene);
+        Ok(Game { program, sources, world, history, scene, analysis: Analysis::default() })
     }
 
     fn world(&self) -> &World {
         &self.program.worlds[self.world]
+    }
+
+    /// A place as a predicate: the first player is near it.
+    fn near(&self, target: &Target) -> Result<String, String> {
+        let world = self.world();
+        let (Target::Place([space, x, y]), Some(player)) = (target, world.players.iter().next()) else {
+            return Err("the world has no player".to_string());
+        };
+        if !x.is_finite() || !y.is_finite() {
+            return Err("the place is not in the level".to_string());
+        }
+        let name = &world.slots[player.slot].name;
+        let sides = [("x", *x), ("y", *y)].map(|(axis, at)| {
+            format!("{name}.{axis} > {:.3} and {name}.{axis} < {:.3}", at - NEAR, at + NEAR)
+        });
+        let space = world.spaces.iter().nth(*space as usize).ok_or("there is no such space")?;
+        let within = if world.spaces.len() > 1 { format!(" and {name} in {}", space.name) } else { String::new() };
+        Ok(format!("{}{within}", sides.join(" and ")))
     }
 
     /// A script for the players of the world.

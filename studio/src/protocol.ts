@@ -14,7 +14,8 @@ export type Request =
   | { ask: "load"; script: string }
   | { ask: "sliders" }
   | { ask: "set"; slider: number; value: number }
-  | { ask: "text"; path?: string | null }
+  | { ask: "write"; slider: number }
+  | { ask: "text"; path?: string | null; written?: boolean }
   | { ask: "edit"; path?: string | null; text?: string | null }
   | { ask: "paint"; space: number; cell: number; symbol: string }
   | { ask: "undo" }
@@ -40,6 +41,7 @@ export type Answer =
 export interface Held { axes?: number[]; buttons?: number[] }
 
 export interface Opened {
+  files: string[];
   findings: Finding[];
   ghost: [number, number, number][][];
   is_current: boolean;

@@ -1,0 +1,90 @@
+//! What each value of an instance can be, by the analysis: it runs beside the play, once for each program.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use crate::analysis::wording::{number, values as worded};
+use crate::analysis::{Configuration, ConfigurationSpace, SlotSpace, Values, configuration_space};
+use crate::ir::{DiscreteId, Domain, Entity, Program, SlotId, WorldId};
+
+use super::protocol::Value;
+use super::search::Task;
+
+/// Maximum number of names of a discrete variable that are listed.
+const MAX_NAMES: usize = 12;
+
+/// The analysis of a world, which begins when it is first asked for.
+#[derive(Default)]
+pub(super) struct Analysis {
+    found: Arc<OnceLock<ConfigurationSpace>>,
+    has_begun: Mutex<bool>,
+}
+
+impl Analysis {
+    /// The result, if it is there; else it is computed beside the session.
+    pub fn result(&self, program: &Arc<Program>, world: WorldId, spawn: &dyn Fn(Task)) -> Option<&ConfigurationSpace> {
+        let mut has_begun = self.has_begun.lock().unwrap_or_else(PoisonError::into_inner);
+        if !*has_begun {
+            *has_begun = true;
+            let (found, program) = (Arc::clone(&self.found), Arc::clone(program));
+            spawn(Box::new(move || {
+                found.get_or_init(|| configuration_space(&program, world));
+            }));
+        }
+        self.found.get()
+    }
+}
+
+/// The values of an instance in words, with the kinds and names of [`Inspected::values`](super::protocol::Inspected).
+pub(super) fn bounds(program: &Program, world: WorldId, space: &ConfigurationSpace, slot: SlotId) -> Vec<Value> {
+    let world = &program.worlds[world];
+    let (entity, of) = (&program.entities[world.slots[slot].entity], &space.slots[slot]);
+    let value = |kind: &str, name: String, value: String| Value { kind: kind.into(), name, value };
+    let mut all = Vec::new();
+    for var in entity.vars.ids() {
+        for degree in 0..=2u8 {
+            let found = joined(of, |c| c.vars[var][usize::from(degree)]);
+            all.push(value("variable", entity.variable_text(var, degree), text(of, &found)));
+        }
+    }
+    for id in entity.discretes.ids() {
+        let found = joined(of, |c| c.discretes[id]);
+        let text = if of.is_given_up { text(of, &found) } else { discrete(entity, id, &found) };
+        all.push(value("discrete", entity.discretes[id].name.clone(), text));
+    }
+    for (id, timer) in entity.timers.pairs() {
+        let found = joined(of, |c| Values::from(c.timers[id]));
+        let longest = found.hull().map(|hull| hull.high).filter(|high| high.is_finite() && *high < f64::from(u32::MAX));
+        let text = match longest {
+            Some(steps) if !of.is_given_up => format!("up to {} s", number(steps * world.step.seconds())),
+            _ => "any".to_string(),
+        };
+        all.push(value("timer", entity.modes[timer.mode].path.clone(), text));
+    }
+    all
+}
+
+fn joined(space: &SlotSpace, of: impl Fn(&Configuration) -> Values) -> Values {
+    Values::any(space.configurations.iter().flat_map(|c| of(c).intervals().to_vec()))
+}
+
+fn text(space: &SlotSpace, values: &Values) -> String {
+    match () {
+        () if space.is_given_up => "any (too large to analyse)".to_string(),
+        () if space.configurations.is_empty() => "never there".to_string(),
+        () => worded(values),
+    }
+}
+
+/// The values of a discrete variable by name.
+fn discrete(entity: &Entity, id: DiscreteId, values: &Values) -> String {
+    let name = |i: i64| match &entity.discretes[id].domain {
+        Domain::Int => i.to_string(),
+        Domain::Bool => (i != 0).to_string(),
+        Domain::Set(names) => usize::try_from(i).ok().and_then(|i| names.get(i)).cloned().unwrap_or_default(),
+    };
+    if matches!(entity.discretes[id].domain, Domain::Int) {
+        return worded(&values.hull().map_or_else(|| *values, Values::from));
+    }
+    let all = values.intervals().iter().flat_map(|i| i.low as i64..=i.high as i64);
+    all.take(MAX_NAMES).map(name).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,275 @@
+// What is drawn over the bodies: ghosts, coming paths with their height and length, what a search covered, contacts.
+
+import type { Game, Paths, Place } from "../game.ts";
+import type { Camera } from "./camera.ts";
+import type { Stage } from "./stage.ts";
+
+/** Two places of a path that are further apart belong to a jump: no line is drawn between them, px. */
+const JUMP = 48;
+/** Side of a cell of the heat map, px. */
+const CELL = 8;
+
+/** Draws the parts of a path that are in a space. */
+export function drawPath(
+  context: CanvasRenderingContext2D,
+  camera: Camera,
+  space: number,
+  path: Place[],
+  from: number,
+  to: number,
+): void {
+  context.beginPath();
+  let before: Place | null = null;
+  for (let at = from; at < to; at++) {
+    const place = path[at]!;
+    if (place[0] !== space) {
+      before = null;
+      continue;
+    }
+    const joins = before && Math.abs(place[1] - before[1]) < JUMP && Math.abs(place[2] - before[2]) < JUMP;
+    if (joins) context.lineTo(camera.toX(place[1]), camera.toY(place[2]));
+    else context.moveTo(camera.toX(place[1]), camera.toY(place[2]));
+    before = place;
+  }
+  context.stroke();
+}
+
+/** The height and length of a jump: from its start to where it comes down to the same height, or where it ends. */
+export interface Arc {
+  path: Place[];
+  /** Number of places up to the landing. */
+  count: number;
+  apex: number;
+  height: number;
+  length: number;
+}
+
+/** Finds the jump at the begin of a path; null if it does not rise. */
+export function arcOf(path: Place[]): Arc | null {
+  const first = path[0];
+  if (!first) return null;
+  let [apex, end] = [0, path.length];
+  for (let at = 1; at < path.length; at++) {
+    const [space, x, y] = path[at]!;
+    const before = path[at - 1]!;
+    if (space !== first[0] || Math.abs(x - before[1]) > JUMP || Math.abs(y - before[2]) > JUMP) {
+      end = at;
+      break;
+    }
+    if (y > path[apex]![2]) apex = at;
+    // It has landed: below the start again, or at rest on something.
+    const isAtRest = apex > 0 && at > apex + 2 && y === before[2] && before[2] === path[at - 2]![2];
+    if ((apex > 0 && y <= first[2]) || isAtRest) {
+      end = at + 1;
+      break;
+    }
+  }
+  const height = path[apex]![2] - first[2];
+  if (height < 1) return null;
+  const last = path[end - 1]!;
+  return { path, count: end, apex, height, length: Math.abs(last[1] - first[1]) };
+}
+
+/** The overlays of a stage, and what they show. */
+export class Overlays {
+  /** The coming path of each player. */
+  arcs: Paths = [];
+  /** What a search found. */
+  found: Paths = [];
+  foundStart = 0;
+  /** Where one wants to be, from a click into the level. */
+  target: Place | null = null;
+  /** Contacts of the players: slot and the side, as written. */
+  contacts: { slot: number; text: string }[] = [];
+  private heat: Map<number, number>[] = [];
+  /** Number of points that were added. */
+  points = 0;
+
+  constructor(
+    private readonly game: Game,
+    private readonly stage: Stage,
+  ) {
+    stage.overlays.push((context, camera, space) => this.draw(context, camera, space));
+    game.onScene.on(() => {
+      this.clearHeat();
+      this.found = [];
+      this.arcs = [];
+      this.target = null;
+    });
+  }
+
+  clearHeat(): void {
+    this.heat = (this.game.scene?.spaces ?? []).map(() => new Map<number, number>());
+    this.points = 0;
+  }
+
+  addHeat(points: Place[]): void {
+    for (const [space, x, y] of points) {
+      const key = Math.floor(y / CELL) * 65536 + Math.floor(x / CELL);
+      const map = this.heat[space];
+      if (map) map.set(key, (map.get(key) ?? 0) + 1);
+    }
+    this.points += points.length;
+  }
+
+  private draw(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
+    const { colors, ratio, shows } = this.stage;
+    if (!colors) return;
+    const { backdrop } = colors;
+    context.lineJoin = "round";
+    context.lineCap = "round";
+    if (this.points > 0) this.drawHeat(context, camera, space);
+    this.drawGhost(context, camera, space, this.game.ghost, this.game.ghostStart, backdrop.ghost);
+    this.drawGhost(context, camera, space, this.found, this.foundStart, backdrop.good);
+    if (shows.arc) for (const path of this.arcs) this.drawArc(context, camera, space, path);
+    if (this.target && this.target[0] === space) {
+      const [x, y] = [camera.toX(this.target[1]), camera.toY(this.target[2])];
+      context.strokeStyle = backdrop.good;
+      context.lineWidth = 2.5 * ratio;
+      context.beginPath();
+      context.arc(x, y, 10 * ratio, 0, 2 * Math.PI);
+      context.moveTo(x - 15 * ratio, y);
+      context.lineTo(x + 15 * ratio, y);
+      context.moveTo(x, y - 15 * ratio);
+      context.lineTo(x, y + 15 * ratio);
+      context.stroke();
+    }
+    if (shows.contacts) this.drawContacts(context, camera, space);
+  }
+
+  /** A path with the place on it at the frame that is shown. */
+  private drawGhost(context: CanvasRenderingContext2D, camera: Camera, space: number, paths: Paths, start: number, color: string): void {
+    const { ratio } = this.stage;
+    const at = (this.game.frame?.at ?? 0) - start;
+    for (const path of paths) {
+      if (path.length < 2) continue;
+      context.strokeStyle = color;
+      context.globalAlpha = 0.65;
+      context.lineWidth = 2.5 * ratio;
+      context.setLineDash([1, 6 * ratio]);
+      drawPath(context, camera, space, path, 0, path.length);
+      context.setLineDash([]);
+      context.globalAlpha = 1;
+      const place = path[Math.max(0, Math.min(path.length - 1, at))]!;
+      if (place[0] !== space || at < 0) continue;
+      context.fillStyle = color;
+      context.globalAlpha = 0.85;
+      context.beginPath();
+      context.arc(camera.toX(place[1]), camera.toY(place[2]), 5 * ratio, 0, 2 * Math.PI);
+      context.fill();
+      context.globalAlpha = 1;
+    }
+  }
+
+  private drawArc(context: CanvasRenderingContext2D, camera: Camera, space: number, path: Place[]): void {
+    const { colors, ratio } = this.stage;
+    const color = colors!.backdrop.arc;
+    const arc = arcOf(path);
+    context.strokeStyle = color;
+    context.lineWidth = 2.5 * ratio;
+    context.globalAlpha = 0.9;
+    drawPath(context, camera, space, path, 0, arc ? arc.count : Math.min(path.length, 45));
+    context.globalAlpha = 1;
+    if (!arc || path[0]![0] !== space) return;
+    const [x, y] = [camera.toX(path[arc.apex]![1]), camera.toY(path[arc.apex]![2])];
+    const ground = camera.toY(path[0]![2]);
+    const [left, right] = [camera.toX(path[0]![1]), camera.toX(path[arc.count - 1]![1])];
+    context.lineWidth = ratio;
+    context.setLineDash([3 * ratio, 3 * ratio]);
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(x, ground);
+    context.moveTo(left, ground);
+    context.lineTo(right, ground);
+    context.stroke();
+    context.setLineDash([]);
+    context.fillStyle = color;
+    context.beginPath();
+    context.arc(x, y, 3.5 * ratio, 0, 2 * Math.PI);
+    context.arc(right, camera.toY(path[arc.count - 1]![2]), 3.5 * ratio, 0, 2 * Math.PI);
+    context.fill();
+    this.stage.label(`↑ ${Math.round(arc.height * 10) / 10} px`, x, y, color);
+    const isLong = Math.abs(right - left) > 40 * ratio;
+    if (isLong) this.stage.label(`↔ ${Math.round(arc.length * 10) / 10} px`, (left + right) / 2, ground + 24 * ratio, color);
+  }
+
+  private drawHeat(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
+    const map = this.heat[space];
+    if (!map) return;
+    const size = CELL * camera.scale;
+    const { width, height } = context.canvas;
+    context.fillStyle = this.stage.colors!.backdrop.ghost;
+    for (const [key, count] of map) {
+      const row = Math.floor(key / 65536 + 0.5);
+      const column = key - row * 65536;
+      const [x, y] = [camera.toX(column * CELL), camera.toY((row + 1) * CELL)];
+      if (x > width || y > height || x < -size || y < -size) continue;
+      context.globalAlpha = Math.min(0.62, 0.2 + 0.09 * Math.log2(1 + count));
+      context.fillRect(Math.round(x), Math.round(y), Math.ceil(size), Math.ceil(size));
+    }
+    context.globalAlpha = 1;
+    this.drawUnvisited(context, camera, space, map);
+  }
+
+  /** Tops of solid tiles above which no point lies: never stood on. */
+  private drawUnvisited(context: CanvasRenderingContext2D, camera: Camera, space: number, heat: Map<number, number>): void {
+    const map = this.game.scene?.spaces[space]?.map;
+    if (!map) return;
+    const { bad } = this.stage.colors!.backdrop;
+    const isSolid = (column: number, row: number): boolean => {
+      const kind = map.kinds[map.cells[row * map.columns + column] ?? -1];
+      return kind !== undefined && (kind.role === "solid" || kind.role === "one_way");
+    };
+    context.fillStyle = bad;
+    context.globalAlpha = 0.8;
+    const [width, height] = map.tile;
+    for (let row = 1; row < map.rows; row++) {
+      for (let column = 0; column < map.columns; column++) {
+        if (!isSolid(column, row) || isSolid(column, row - 1)) continue;
+        const x = camera.toX(column * width);
+        const y = camera.toY((map.rows - row) * height);
+        if (x < -width * camera.scale || x > context.canvas.width || y < 0 || y > context.canvas.height) continue;
+        if (!visited(heat, column * width, (map.rows - row) * height, width, height)) {
+          context.fillRect(x, y, width * camera.scale, Math.max(2, 2 * this.stage.ratio));
+        }
+      }
+    }
+    context.globalAlpha = 1;
+  }
+
+  private drawContacts(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
+    const { game, stage } = this;
+    const bodies = game.frame!.bodies;
+    const seen = new Map<number, number>();
+    for (const { slot, text } of this.contacts) {
+      const at = game.now.start(slot);
+      if (at < 0 || bodies[at + 1] !== space) continue;
+      const side = /\b(left|right|above|below)\)/.exec(text)?.[1];
+      const of = bodies.slice(at + 6, at + 10);
+      if (of.length < 4) continue;
+      const [x, y] = [bodies[at + 2]!, bodies[at + 3]!];
+      const [left, bottom, right, top] = [x + of[0]!, y + of[1]!, x + of[2]!, y + of[3]!];
+      context.strokeStyle = stage.colors!.backdrop.good;
+      context.lineWidth = 4 * stage.ratio;
+      context.beginPath();
+      const line = { left: [left, bottom, left, top], right: [right, bottom, right, top], above: [left, top, right, top], below: [left, bottom, right, bottom] }[side ?? "below"] ?? [];
+      if (side) {
+        context.moveTo(camera.toX(line[0]!), camera.toY(line[1]!));
+        context.lineTo(camera.toX(line[2]!), camera.toY(line[3]!));
+        context.stroke();
+      }
+      const order = seen.get(slot) ?? 0;
+      seen.set(slot, order + 1);
+      stage.label(text, camera.toX((left + right) / 2), camera.toY(top) - order * 15 * stage.ratio);
+    }
+  }
+}
+
+function visited(heat: Map<number, number>, x: number, y: number, width: number, height: number): boolean {
+  for (let row = Math.floor(y / CELL) - 1; row * CELL < y + height; row++) {
+    for (let column = Math.floor(x / CELL) - 1; column * CELL < x + width; column++) {
+      if (heat.has(row * 65536 + column)) return true;
+    }
+  }
+  return false;
+}

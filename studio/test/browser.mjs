@@ -1,0 +1,56 @@
+// Starts `hypedc play` and Chromium for the tests.
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { fileURLToPath } from "node:url";
+import { chromium } from "playwright-core";
+
+/** The folder of the repository. */
+export const root = fileURLToPath(new URL("../..", import.meta.url));
+/** The binary that is tested. */
+export const hypedc = process.env.HYPEDC ?? `${root}target/debug/hypedc`;
+
+const ARGUMENTS = [
+  "--headless",
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+
+/** Starts Chromium. */
+export function browser() {
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ARGUMENTS });
+}
+
+/** Serves a program; `url` is the address of its page. */
+export async function play(...args) {
+  const server = spawn(hypedc, ["play", "--no-open", ...args], { cwd: root, stdio: ["ignore", "pipe", "ignore"] });
+  const [line] = await Promise.race([
+    once(server.stdout, "data"),
+    once(server, "exit").then(() => Promise.reject(new Error(`hypedc play ${args.join(" ")} has ended`))),
+  ]);
+  return {
+    url: String(line).trim(),
+    stop: async () => {
+      server.kill();
+      if (server.exitCode === null) await once(server, "exit");
+    },
+  };
+}
+
+/** Opens a page; `errors` are what its console has said. */
+export async function open(of, url, options = {}) {
+  const context = await of.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  const page = await context.newPage();
+  const errors = [];
+  page.on("console", (message) => {
+    if (message.type() === "error" || message.type() === "warning") errors.push(message.text());
+  });
+  page.on("pageerror", (error) => errors.push(String(error)));
+  await page.goto(url);
+  await page.waitForFunction(() => globalThis.studio?.game.frame, null, { timeout: 20_000 });
+  return { page, context, errors };
+}

@@ -21,6 +21,8 @@ enum EngineRequest {
     Paths,
     /// Plays random inputs in the first world.
     RandomSteps(RandomSteps),
+    /// Panics: tests ask for it, to see what a page does then.
+    Trap,
 }
 
 /// The files of a program.
@@ -84,6 +86,7 @@ impl Host {
                     }
                     Err(message) => refused(&message),
                 },
+                EngineRequest::Trap => trap(),
             };
         }
         if let Ok(request) = serde_json::from_str::<LanguageRequest>(request) {
@@ -115,6 +118,11 @@ impl Host {
         self.session = Some(session);
         self.language = None;
     }
+}
+
+#[allow(clippy::panic, reason = "a panic is what it is for")]
+fn trap() -> String {
+    panic!("on request")
 }
 
 /// An answer as JSON.

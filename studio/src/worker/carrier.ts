@@ -8,8 +8,11 @@ import type { Project } from "./project.ts";
 
 type SearchRequest = Extract<Request, { ask: "search" }>;
 
-/** Requests after which a search is about another program. */
-const ENDS_SEARCH: ReadonlySet<Request["ask"]> = new Set(["open", "reload", "edit", "set", "paint", "undo"]);
+/** Requests after which the program may be another one. */
+const CHANGES_PROGRAM: ReadonlySet<Request["ask"]> =
+  new Set(["open", "reload", "edit", "set", "write", "paint", "undo"]);
+/** Requests whose answers depend on the program alone, and take long. */
+const MOVES_IN_TIME: ReadonlySet<Request["ask"]> = new Set(["play", "seek", "load"]);
 
 const NOT_YET: Searching = {
   is_running: true,
@@ -69,11 +72,33 @@ class Search {
   }
 }
 
+/** What the analysis tells about a program, in a worker of its own: it takes up to seconds. */
+class Analysis {
+  private readonly worker: EngineWorker;
+  private isReady = false;
+
+  constructor(parts: EngineParts, project: Project, path: Request[], first: Request) {
+    this.worker = new EngineWorker(parts, project);
+    this.worker.follow(path.filter((request) => !MOVES_IN_TIME.has(request.ask)));
+    void this.worker.ask(first).then(() => (this.isReady = true));
+  }
+
+  async ask(request: Request): Promise<Answer> {
+    if (!this.isReady) return { answer: "bounds", is_ready: false, values: [] };
+    return JSON.parse(await this.worker.ask(request)) as Answer;
+  }
+
+  end(): void {
+    this.worker.end();
+  }
+}
+
 export class WorkerCarrier implements Carrier {
   readonly canWatch = false;
   readonly canSave = false;
   private readonly worker: EngineWorker;
   private search: Search | null = null;
+  private analysis: Analysis | null = null;
   private readonly lost: ((why: string) => void)[] = [];
   /** Told of a bug of the engine, after which the page goes on. */
   onTrap: (why: string, reopened: boolean) => void = () => {};
@@ -96,7 +121,11 @@ export class WorkerCarrier implements Carrier {
       this.search?.stop();
       return { answer: "done" };
     }
-    if (ENDS_SEARCH.has(request.ask)) this.end();
+    if (request.ask === "bounds") {
+      this.analysis ??= new Analysis(this.parts, this.project, await this.worker.path(), request);
+      return this.analysis.ask(request);
+    }
+    if (CHANGES_PROGRAM.has(request.ask)) this.end();
     return JSON.parse(await this.worker.ask(request)) as Answer;
   }
 
@@ -121,10 +150,12 @@ export class WorkerCarrier implements Carrier {
   private end(): void {
     this.search?.stop();
     this.search = null;
+    this.analysis?.end();
+    this.analysis = null;
   }
 
   private async start(request: SearchRequest): Promise<Answer> {
-    this.end();
+    this.search?.stop();
     const path = await this.worker.path();
     this.search = new Search(this.parts, this.project, path, request);
     return this.search.poll();

@@ -5,7 +5,7 @@ import type { Answer, Request } from "../protocol.ts";
 
 /** Requests that change a session. */
 export const CHANGES: ReadonlySet<Request["ask"]> =
-  new Set(["open", "reload", "edit", "set", "paint", "undo", "play", "seek", "load"]);
+  new Set(["open", "reload", "edit", "set", "write", "paint", "undo", "play", "seek", "load"]);
 /** Maximum number of requests before they are replaced by what they led to. */
 const MAX_LENGTH = 1_500;
 /** As well, characters of texts in them. */
@@ -42,7 +42,7 @@ export class Ledger {
 
   /** Opening a world keeps the texts alone. */
   private forgetPlay(): void {
-    if (this.requests.some((request) => request.ask === "paint" || request.ask === "undo")) return;
+    if (this.requests.some(({ ask }) => ask === "write" || ask === "paint" || ask === "undo")) return;
     const last = new Map<string | null | undefined, Request>();
     for (const request of this.requests) if (request.ask === "edit") last.set(request.path, request);
     this.requests = [...last.values()];

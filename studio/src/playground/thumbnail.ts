@@ -38,19 +38,24 @@ export function thumbnail(scene: Scene, frame: Frame, theme: Theme): string {
     if (body.space !== index || slot === undefined) continue;
     const entity = scene.entities[slot.entity];
     const paint = colors.body(slot);
-    for (const { collider, box } of body.colliders) {
+    // Sensors of a body are not shown, unless it has nothing else.
+    const isSolid = ({ collider }: { collider: number }): boolean => entity?.colliders[collider]?.is_solid !== false;
+    const shown = body.colliders.some(isSolid) ? body.colliders.filter(isSolid) : body.colliders.slice(0, 1);
+    for (const { collider, box } of shown) {
       const info = entity?.colliders[collider];
       const style = info?.is_solid === false
         ? `fill="${paint.fill}" fill-opacity=".3" stroke="${paint.fill}"`
         : `fill="${paint.fill}" stroke="${paint.dark}" stroke-width="1.5"`;
+      const [cx, cy] = [x((box.left + box.right) / 2), y((box.bottom + box.top) / 2)];
       if (info?.is_round === true) {
-        const [cx, cy] = [x((box.left + box.right) / 2), y((box.bottom + box.top) / 2)];
         parts.push(`<circle cx="${number(cx)}" cy="${number(cy)}" r="${number(((box.right - box.left) / 2) * scale)}" ${style}/>`);
       } else {
         const [w, h] = [(box.right - box.left) * scale, (box.top - box.bottom) * scale];
         const round = number(Math.min(w, h) * 0.28);
         parts.push(`<rect x="${number(x(box.left))}" y="${number(y(box.top))}" width="${number(w)}" height="${number(h)}" rx="${round}" ${style}/>`);
       }
+      const small = Math.min(box.right - box.left, box.top - box.bottom) * scale;
+      if (slot.player !== null && collider === shown[0]?.collider && small >= 7) parts.push(eyes(cx, cy, small));
     }
   }
   const [from, to] = colors.backdrop.sky;
@@ -59,6 +64,15 @@ export function thumbnail(scene: Scene, frame: Frame, theme: Theme): string {
     `<linearGradient id="s" x2="0" y2="1"><stop stop-color="${from}"/><stop offset="1" stop-color="${to}"/></linearGradient>` +
     `<rect width="100%" height="100%" fill="url(#s)"/>${parts.join("")}</svg>`
   );
+}
+
+/** The eyes of a player, as on the stage. */
+function eyes(x: number, y: number, size: number): string {
+  const [apart, radius] = [size * 0.17, size * 0.13];
+  const eye = (side: number): string =>
+    `<circle cx="${number(x + side * apart)}" cy="${number(y - size * 0.05)}" r="${number(radius)}" fill="#fff"/>` +
+    `<circle cx="${number(x + side * apart + radius * 0.25)}" cy="${number(y - size * 0.05)}" r="${number(radius * 0.55)}" fill="#1d2736"/>`;
+  return eye(-1) + eye(1);
 }
 
 interface Body {
@@ -100,8 +114,8 @@ function viewOf([left, bottom, right, top]: [number, number, number, number], x:
 }
 
 function look(kind: Kind): string {
-  if (kind.role === "solid") return "";
-  return kind.role === "one_way" ? "" : ' fill-opacity=".55"';
+  if (kind.role === "solid" || kind.role === "one_way") return "";
+  return kind.role === "scenery" ? ' opacity=".4"' : ' opacity=".6"';
 }
 
 type Scale = (at: number) => number;
@@ -115,6 +129,12 @@ function rect(box: Box, x: Scale, y: Scale, scale: number, fill: string, more: s
 function tiles(map: MapInfo, broken: Set<number>, colors: Colors, view: Box, x: Scale, y: Scale, scale: number): string[] {
   const [width, height] = map.tile;
   const paths = new Map<Kind, string>();
+  // Upper edges of walls are lit.
+  const lit = new Map<Kind, string>();
+  const isWall = (cell: number): boolean => {
+    const info = map.kinds[map.cells[cell] ?? -1];
+    return cell >= 0 && info !== undefined && info.role === "solid" && !broken.has(cell);
+  };
   const [from, to] = [Math.max(0, Math.floor(view.left / width)), Math.min(map.columns, Math.ceil(view.right / width))];
   for (let row = 0; row < map.rows; row += 1) {
     const top = (map.rows - row) * height;
@@ -141,11 +161,18 @@ function tiles(map: MapInfo, broken: Set<number>, colors: Colors, view: Box, x: 
         while (end < to && map.cells[row * map.columns + end] === kind && !broken.has(row * map.columns + end)) end += 1;
         const [w, h] = [(end - column) * width * scale, height * scale];
         paths.set(look, `${before}M${number(x(column * width))} ${number(y(top))}h${number(w)}v${number(h)}h-${number(w)}Z`);
+        for (let at = column; look.role === "solid" && at < end; at += 1) {
+          if (row > 0 && isWall((row - 1) * map.columns + at)) continue;
+          const edge = `M${number(x(at * width))} ${number(y(top) + 1)}h${number(width * scale)}`;
+          lit.set(look, (lit.get(look) ?? "") + edge);
+        }
       }
       column = end;
     }
   }
-  return [...paths].map(([kind, path]) =>
+  const shapes = [...paths].map(([kind, path]) =>
     `<path d="${path}" fill="${kind.paint.fill}" stroke="${kind.paint.fill}" stroke-width="1.2" stroke-linejoin="round"${look(kind)}/>`,
   );
+  const edges = [...lit].map(([kind, path]) => `<path d="${path}" stroke="${kind.paint.light}" stroke-width="2.5"/>`);
+  return [...shapes, ...edges];
 }

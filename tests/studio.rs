@@ -3,13 +3,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, WorldId};
 use hypedc::sim::{Event, Run};
-use hypedc::studio::{Answer, Frame, Held, Inspected, Level, Opened, Request, Searching, Session, Shown, Target};
+use hypedc::studio::{Answer, Frame, Held, Inspected, Level, Opened, Request, Role, Searching, Session, Shown, Target};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
@@ -61,7 +61,9 @@ fn stirred(rng: &mut Pcg64, players: &[hypedc::studio::PlayerInfo]) -> Vec<Held>
 /// Examples with worlds that can be played as they are.
 fn playable() -> impl Iterator<Item = PathBuf> {
     files("examples", "hyped").into_iter().filter(|path| {
-        compile(path, &Disk).program.is_some_and(|program| program.worlds.iter().next().is_some_and(|w| w.open.is_none()))
+        compile(path, &Disk)
+            .program
+            .is_some_and(|program| program.worlds.iter().next().is_some_and(|w| w.open.is_none()))
     })
 }
 
@@ -226,23 +228,99 @@ fn a_number_is_set_in_its_literal_alone() {
     session.answer(Request::Open { world: None });
     session.answer(Request::Play { inputs: jump() });
     let Answer::Sliders { sliders } = session.answer(Request::Sliders) else { panic!() };
-    let names: Vec<_> = sliders.iter().map(|s| (s.entity.as_deref(), s.name.as_str(), s.value, s.unit.as_str())).collect();
+    let names: Vec<_> =
+        sliders.iter().map(|s| (s.entity.as_deref(), s.name.as_str(), s.value, s.unit.as_str())).collect();
     let of = |name, value, unit| (Some("Jumper"), name, value, unit);
     let expected = [(None, "high", 120.0, ""), of("fall", 400.0, ""), of("speed", 60.0, ""), of("rest", 50.0, "ms")];
     assert_eq!(names, expected);
     let set = opened(session.answer(Request::Set { slider: 0, value: 150.5 }));
     assert!(set.is_current && set.shown.unwrap().length == 20);
-    assert_eq!(text(session.answer(Request::Text { path: None })), JUMPER.replace("= 120", "= 150.5"));
+    assert_eq!(text(session.answer(Request::Text { path: None, written: false })), JUMPER.replace("= 120", "= 150.5"));
     let Answer::Sliders { sliders } = session.answer(Request::Sliders) else { panic!() };
     assert_eq!((sliders[0].value, sliders[0].written), (150.5, 120.0));
     session.answer(Request::Set { slider: 3, value: 75.0 });
     let both = JUMPER.replace("= 120", "= 150.5").replace("50ms", "75ms");
-    assert_eq!(text(session.answer(Request::Text { path: None })), both);
+    assert_eq!(text(session.answer(Request::Text { path: None, written: false })), both);
     // Reading the file again forgets it.
     session.answer(Request::Reload);
-    assert_eq!(text(session.answer(Request::Text { path: None })), JUMPER);
+    assert_eq!(text(session.answer(Request::Text { path: None, written: false })), JUMPER);
     assert!(matches!(session.answer(Request::Set { slider: 9, value: 1.0 }), Answer::Refused { .. }));
     assert!(matches!(session.answer(Request::Set { slider: 0, value: f64::NAN }), Answer::Refused { .. }));
+}
+
+#[test]
+fn a_number_is_written_alone() {
+    let mut session = session_with(JUMPER);
+    session.answer(Request::Open { world: None });
+    session.answer(Request::Set { slider: 0, value: 150.0 });
+    session.answer(Request::Set { slider: 3, value: 75.0 });
+    let written = opened(session.answer(Request::Write { slider: 3 }));
+    assert_eq!(written.unsaved, ["test.hyped"]);
+    let with_rest = JUMPER.replace("50ms", "75ms");
+    assert_eq!(text(session.answer(Request::Text { path: None, written: true })), with_rest);
+    let both = with_rest.replace("= 120", "= 150");
+    assert_eq!(text(session.answer(Request::Text { path: None, written: false })), both);
+    assert!(opened(session.answer(Request::Undo)).unsaved.is_empty());
+    assert_eq!(text(session.answer(Request::Text { path: None, written: true })), JUMPER);
+    assert!(matches!(session.answer(Request::Undo), Answer::Refused { .. }));
+    assert!(matches!(session.answer(Request::Write { slider: 9 }), Answer::Refused { .. }));
+}
+
+#[test]
+fn a_cell_is_a_character_of_the_text() {
+    let mut painted = 0;
+    for path in playable() {
+        let mut session = session_of(&path);
+        let first = opened(session.answer(Request::Open { world: None }));
+        let scene = first.scene.unwrap();
+        for (space, info) in scene.spaces.iter().enumerate() {
+            let Some(map) = info.map.as_ref().filter(|map| map.is_painted) else { continue };
+            let before: BTreeMap<PathBuf, String> = session
+                .paths()
+                .into_iter()
+                .map(|path| {
+                    let of = std::fs::read_to_string(&path).unwrap();
+                    (path, of)
+                })
+                .collect();
+            let cell = map.cells.len() / 3;
+            let kind = map.kinds.iter().position(|kind| kind.role == Role::Solid).unwrap_or(0);
+            let symbol = map.kinds[kind].symbol.clone();
+            let answer = session.answer(Request::Paint { space, cell, symbol: symbol.clone() });
+            let after = opened(answer);
+            if after.is_current {
+                let is = after.scene.unwrap().spaces[space].map.clone().unwrap().cells[cell];
+                assert_eq!(is, if map.kinds[kind].tags.is_empty() { -1 } else { kind as i32 }, "{}", path.display());
+                painted += 1;
+            }
+            for file in &after.unsaved {
+                let now = text(session.answer(Request::Text { path: Some(file.clone()), written: true }));
+                let old = &before[Path::new(file)];
+                let differing = old.chars().zip(now.chars()).filter(|(a, b)| a != b).count();
+                assert_eq!((differing, old.chars().count()), (1, now.chars().count()), "{file}");
+            }
+            assert!(after.unsaved.len() <= 1);
+            assert!(opened(session.answer(Request::Undo)).unsaved.is_empty());
+        }
+    }
+    assert!(painted > 10, "{painted}");
+}
+
+#[test]
+fn no_run_leaves_what_values_can_be() {
+    let mut session = session_with(JUMPER);
+    session.answer(Request::Open { world: None });
+    // The task runs at once here: the second answer has the result.
+    session.answer(Request::Bounds { slot: 0 });
+    let Answer::Bounds { is_ready: true, values } = session.answer(Request::Bounds { slot: 0 }) else { panic!() };
+    let of = |name: &str| values.iter().find(|value| value.name == name).map(|value| value.value.clone()).unwrap();
+    assert_eq!(of("x'"), "[-60, 60]");
+    assert!(of("y'").contains(", 113.333]"), "{}", of("y'"));
+    let names: BTreeSet<&str> = values.iter().map(|value| value.name.as_str()).collect();
+    session.answer(Request::Play { inputs: jump() });
+    for value in inspected(session.answer(Request::Inspect { slot: 0 })).values {
+        assert!(value.kind == "parameter" || names.contains(value.name.as_str()), "{}", value.name);
+    }
 }
 
 #[test]
@@ -279,6 +357,13 @@ fn a_search_starts_from_the_frame_that_is_shown() {
         assert_eq!(found.ghost[0].len() as u64, end.length - 5 + 1);
         session.answer(Request::Seek { frame: 5 });
     }
+    // A place, and the points of the search on the way to it.
+    let near = Request::Search { target: Target::Place([0.0, 120.0, 8.0]), nodes: 20_000, seed: 1 };
+    let points = searched(session.answer(near)).points;
+    let found = searched(session.answer(Request::Poll));
+    let last = found.ghost[0].last().copied().unwrap_or_else(|| panic!("{:?}", found.verdict));
+    assert!((last[1] - 120.0).abs() <= 8.0 && (last[2] - 8.0).abs() <= 8.0, "{last:?}");
+    assert!(!points.is_empty() && found.points.is_empty(), "points are told once");
     let unknown = session.answer(Request::Search { target: Target::Goal("near".into()), nodes: 10, seed: 1 });
     assert_eq!(unknown, Answer::Refused { message: "there is no goal `near`".into() });
     let wrong = session.answer(Request::Search { target: Target::Predicate("hero.z > 1".into()), nodes: 10, seed: 1 });
@@ -303,9 +388,8 @@ fn a_script_leads_to_the_goal_it_is_for() {
         for input in script_of(&program, WorldId(0), &script).inputs() {
             run.step(input).unwrap();
         }
-        let held: Vec<usize> = (0..goals.len())
-            .filter(|goal| run.simulator().goal(run.state(), GoalId(*goal as u32)).unwrap())
-            .collect();
+        let held: Vec<usize> =
+            (0..goals.len()).filter(|goal| run.simulator().goal(run.state(), GoalId(*goal as u32)).unwrap()).collect();
         assert_eq!(end.frame.goals, held, "{}", path.display());
     }
 }
@@ -335,6 +419,6 @@ fn requests_out_of_place_are_refused() {
     assert_eq!(shown(session.answer(Request::Seek { frame: u64::MAX })).frame.at, 2);
     assert!(matches!(session.answer(Request::Inspect { slot: u32::MAX }), Answer::Refused { .. }));
     assert!(matches!(session.answer(Request::Load { script: "fly*3".into() }), Answer::Refused { .. }));
-    let outside = session.answer(Request::Text { path: Some("Cargo.toml".into()) });
+    let outside = session.answer(Request::Text { path: Some("Cargo.toml".into()), written: false });
     assert!(matches!(outside, Answer::Refused { .. }), "{outside:?}");
 }

@@ -103,7 +103,14 @@ pub fn chart(program: &Program, sources: &SourceMap, id: EntityId) -> Chart {
         // The modes around an edge's mode are active with it, so its priority is the same in all leaf modes.
         let leaf = &entity.leaves[entity.modes[edge.source].leaves.from];
         let order = leaf.edges.iter().position(|e| *e == id).map_or(0, |at| at + 1);
-        Some(Edge { id: id.0 as usize, source: edge.source.0 as usize, target: edge.target?.0 as usize, order, guard, updates })
+        Some(Edge {
+            id: id.0 as usize,
+            source: edge.source.0 as usize,
+            target: edge.target?.0 as usize,
+            order,
+            guard,
+            updates,
+        })
     });
     Chart {
         entity: entity.name.to_string(),

@@ -17,3 +17,13 @@ pub use project::Level;
 pub use protocol::*;
 pub use search::{Listener, Task};
 pub use session::Session;
+
+/// The JSON Schemas of requests as they are read and of answers as they are written.
+#[cfg(feature = "testing")]
+pub fn schemas() -> [serde_json::Value; 2] {
+    use schemars::generate::SchemaSettings;
+    let settings = SchemaSettings::draft2020_12();
+    let request = settings.clone().for_deserialize().into_generator().into_root_schema_for::<Request>();
+    let answer = settings.for_serialize().into_generator().into_root_schema_for::<Answer>();
+    [request.to_value(), answer.to_value()]
+}

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A request of the page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(tag = "ask", rename_all = "snake_case")]
 pub enum Request {
     /// Compiles the files and starts a world from its first state; the history is empty afterwards.
@@ -115,6 +116,7 @@ pub enum Request {
 
 /// What a search is for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// A goal by its name.
@@ -132,6 +134,7 @@ pub type StepInput = Vec<Held>;
 
 /// The input of a player.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Held {
     /// Indices of the buttons that are down.
     #[serde(default)]
@@ -143,6 +146,7 @@ pub struct Held {
 
 /// An answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(tag = "answer", rename_all = "snake_case")]
 pub enum Answer {
     /// A program runs: after `open`, `reload`, `set` and `edit`.
@@ -195,6 +199,7 @@ pub enum Answer {
 
 /// A program that runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Opened {
     /// Errors and warnings of the texts as they are now.
     pub findings: Vec<Finding>,
@@ -219,6 +224,7 @@ pub struct Opened {
 
 /// A finding about the text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Finding {
     /// `error` or `warning`.
     pub severity: String,
@@ -236,6 +242,7 @@ pub struct Finding {
 
 /// A place in a file: lines and columns from 1, columns in UTF-16 code units.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Place {
     /// The path of the file.
     pub path: String,
@@ -251,6 +258,7 @@ pub struct Place {
 
 /// What does not change while a world runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Scene {
     /// The path of the main file.
     pub path: String,
@@ -276,6 +284,7 @@ pub struct Scene {
 
 /// A player.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct PlayerInfo {
     /// Its number as written.
     pub number: u32,
@@ -289,6 +298,7 @@ pub struct PlayerInfo {
 
 /// A space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SpaceInfo {
     /// Its name.
     pub name: String,
@@ -306,11 +316,12 @@ pub struct SpaceInfo {
 
 /// What static geometry is for the players; for other instances, if no player meets it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
     /// Nobody meets it.
     Scenery,
-    /// It is sensed, and does not push.
+    /// It is sensed or looked for, and does not push.
     Sensed,
     /// Solid from above only.
     OneWay,
@@ -320,6 +331,7 @@ pub enum Role {
 
 /// A free-standing rectangle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SolidInfo {
     /// Its tags.
     pub tags: Vec<usize>,
@@ -331,6 +343,7 @@ pub struct SolidInfo {
 
 /// A way to another space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct LinkInfo {
     /// Where it begins: `[left, bottom, right, top]`, px.
     pub area: [f64; 4],
@@ -340,6 +353,7 @@ pub struct LinkInfo {
 
 /// A tile map. Its lower left corner is at (0, 0).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct MapInfo {
     /// Number of columns.
     pub columns: usize,
@@ -357,6 +371,7 @@ pub struct MapInfo {
 
 /// A kind of tile.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct TileInfo {
     /// Its symbol in the map.
     pub symbol: String,
@@ -374,6 +389,7 @@ pub struct TileInfo {
 
 /// An entity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct EntityInfo {
     /// Its name.
     pub name: String,
@@ -387,6 +403,7 @@ pub struct EntityInfo {
 
 /// A collider.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct ColliderInfo {
     /// Its tags.
     pub tags: Vec<usize>,
@@ -398,6 +415,7 @@ pub struct ColliderInfo {
 
 /// A place for an instance.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SlotInfo {
     /// The name of the instance.
     pub name: String,
@@ -409,6 +427,7 @@ pub struct SlotInfo {
 
 /// A frame that is shown, and what happened on the way to it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Shown {
     /// The frame that is shown.
     pub frame: Frame,
@@ -424,6 +443,7 @@ pub struct Shown {
 
 /// A state as it is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Frame {
     /// Its number: that of the steps before it.
     pub at: u64,
@@ -440,6 +460,7 @@ pub struct Frame {
 
 /// An event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct EventInfo {
     /// The frame after the step in which it happened.
     pub frame: u64,
@@ -451,6 +472,7 @@ pub struct EventInfo {
 
 /// An instance at the current frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Inspected {
     /// Its slot.
     pub slot: u32,
@@ -468,6 +490,7 @@ pub struct Inspected {
 
 /// A value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Value {
     /// `variable`, `discrete`, `parameter`, `reference` or `timer`.
     pub kind: String,
@@ -479,6 +502,7 @@ pub struct Value {
 
 /// An edge in the step that led to the current frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct EdgeState {
     /// Its index in the entity.
     pub edge: usize,
@@ -498,6 +522,7 @@ pub struct EdgeState {
 
 /// A part of a guard.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Atom {
     /// Its text.
     pub text: String,
@@ -509,6 +534,7 @@ pub struct Atom {
 
 /// A number in the text: a `param` or a `const` that is written as a literal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Slider {
     /// The entity; none of a `const`.
     pub entity: Option<String>,
@@ -526,6 +552,7 @@ pub struct Slider {
 
 /// How far a search is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Searching {
     /// Whether it still runs.
     pub is_running: bool,

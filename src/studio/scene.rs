@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::ir::{Bounds, Entity, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
+use crate::ir::{Bounds, Entity, Expr, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
 use crate::sim::Simulator;
 
 use super::protocol::{
-    ColliderInfo, EntityInfo, Frame, LinkInfo, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo, SpaceInfo, TileInfo,
+    ColliderInfo, EntityInfo, Frame, LinkInfo, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo, SpaceInfo,
+    TileInfo,
 };
 
 /// The side of a space without anything in it, px.
@@ -59,7 +60,15 @@ fn role(sim: &Simulator, tags: TagSet) -> Role {
         roles.max()
     };
     let of_players = strongest(&mut world.players.iter().map(|of| &program.entities[world.slots[of.slot].entity]));
-    of_players.or_else(|| strongest(&mut program.entities.iter())).unwrap_or(Role::Scenery)
+    let is_probed = || {
+        let probes = program.exprs.iter().any(|expr| match expr {
+            Expr::Probe { other, .. } => TagSet::of(*other).meets(tags),
+            _ => false,
+        });
+        probes.then_some(Role::Sensed)
+    };
+    let of_all = || strongest(&mut program.entities.iter());
+    of_players.or_else(of_all).or_else(is_probed).unwrap_or(Role::Scenery)
 }
 
 fn tag_numbers(tags: &[TagId]) -> Vec<usize> {
@@ -118,12 +127,7 @@ fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> B
     let finite = |b: &Bounds| [b.left, b.right, b.bottom, b.top].iter().all(|side| side.is_finite());
     let around = fixed.chain(placed).filter(finite).reduce(Bounds::join);
     let all = around.unwrap_or(Bounds::new([0.0, 0.0, EMPTY_SIDE, EMPTY_SIDE]));
-    Bounds {
-        left: all.left - MARGIN,
-        right: all.right + MARGIN,
-        bottom: all.bottom - MARGIN,
-        top: all.top + MARGIN,
-    }
+    Bounds { left: all.left - MARGIN, right: all.right + MARGIN, bottom: all.bottom - MARGIN, top: all.top + MARGIN }
 }
 
 fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {

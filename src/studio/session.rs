@@ -338,7 +338,8 @@ impl Session {
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
         let (program, sources) = (Arc::clone(&game.program), game.sources.clone());
-        let question = |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
+        let question =
+            |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
         let question = match target {
             Target::Goal(goal) => {
                 let id = game.world().goal_named(goal).ok_or_else(|| unknown("goal", goal))?;
@@ -374,12 +375,7 @@ impl Session {
 
 impl Game {
     /// A game in the world of a name; in the first one, if there is none of the name.
-    fn new(
-        program: Arc<Program>,
-        sources: SourceMap,
-        world: Option<&str>,
-        project: &Project,
-    ) -> Result<Game, String> {
+    fn new(program: Arc<Program>, sources: SourceMap, world: Option<&str>, project: &Project) -> Result<Game, String> {
         let named = world.and_then(|name| program.world_named(name));
         let world = named.or(program.worlds.ids().next()).ok_or("the program has no world to play")?;
         if program.worlds[world].open.is_some() {
@@ -409,9 +405,8 @@ impl Game {
             return Err("the place is not in the level".to_string());
         }
         let name = &world.slots[player.slot].name;
-        let sides = [("x", *x), ("y", *y)].map(|(axis, at)| {
-            format!("{name}.{axis} > {:.3} and {name}.{axis} < {:.3}", at - NEAR, at + NEAR)
-        });
+        let sides = [("x", *x), ("y", *y)]
+            .map(|(axis, at)| format!("{name}.{axis} > {:.3} and {name}.{axis} < {:.3}", at - NEAR, at + NEAR));
         let space = world.spaces.iter().nth(*space as usize).ok_or("there is no such space")?;
         let within = if world.spaces.len() > 1 { format!(" and {name} in {}", space.name) } else { String::new() };
         Ok(format!("{}{within}", sides.join(" and ")))

@@ -1,7 +1,9 @@
 // Puts the page together over a carrier: stage, time, panels, keys. The playground and exported games use it, too.
 
 import type { Carrier } from "./carrier.ts";
+import { watchContacts } from "./contacts.ts";
 import type { Theme } from "./draw/colors.ts";
+
 import { Overlays } from "./draw/overlays.ts";
 import { Stage } from "./draw/stage.ts";
 import { Game } from "./game.ts";
@@ -76,7 +78,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     goals.element,
     h("span", { class: "grow" }),
     map,
-    iconButton("hand", "Touch controls", () => showTouch(touch.element.hidden)),
+    iconButton("pad", "Touch controls", () => showTouch(touch.element.hidden)),
     themeButton,
     iconButton("panel", "Panel", () => sidebar.open(!sidebar.isOpen)),
   );
@@ -103,13 +105,14 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   });
 
   function resize(): void {
-    stage.resize(stageBox.clientWidth, stageBox.clientHeight);
+    stage.resize(stage.canvas.clientWidth, stage.canvas.clientHeight);
   }
-  new ResizeObserver(resize).observe(stageBox);
+  new ResizeObserver(resize).observe(stage.canvas);
 
   function toggleMap(): void {
     stage.isOverview = !stage.isOverview;
     map.setAttribute("aria-pressed", String(stage.isOverview));
+    update();
   }
 
   function showTouch(isShown: boolean): void {
@@ -160,10 +163,10 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     run();
   });
 
+  watchContacts(game, stage, overlays);
   new Pointer(game, stage, overlays, {
     pick: (slot) => {
       know.select(slot);
-      know.checkBounds();
       if (slot !== null && sidebar.isOpen) sidebar.show("know");
     },
     place: (place) => ask.setPlace(place),
@@ -188,7 +191,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     const isNew = game.mode === "paused" && game.length === 0 && game.scene !== null;
     const keys = inputs.actions.length > 0 ? "Press a key of the game to start" : "Press play to start";
     hint.textContent = isNew ? (touch.element.hidden ? keys : "Touch a control to start") : "";
-    hint.hidden = !isNew || game.opened?.is_current === false;
+    hint.hidden = !isNew || stage.isOverview || game.opened?.is_current === false;
     const isOver = game.ended !== null && game.mode === "paused" && game.frame?.at === game.length;
     ended.hidden = !isOver;
     if (isOver && ended.childElementCount === 0) {

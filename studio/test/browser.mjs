@@ -1,6 +1,7 @@
 // Starts `hypedc play` and Chromium for the tests.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
+import { readFile } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
 
@@ -18,6 +19,8 @@ const ARGUMENTS = [
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
+  // A page that a test puts in place of the server's counts as one from elsewhere.
+  ...(process.env.PAGE ? ["--disable-features=LocalNetworkAccessChecks"] : []),
 ];
 
 /** Starts Chromium. */
@@ -41,6 +44,16 @@ export async function play(...args) {
   };
 }
 
+/** With PAGE, the path of a bundle, pages are that bundle instead of the one in the binary. */
+export async function freshPage(page) {
+  const path = process.env.PAGE;
+  if (!path) return;
+  await page.route(
+    (url) => url.pathname === "/",
+    async (route) => route.fulfill({ response: await route.fetch(), body: await readFile(path, "utf8") }),
+  );
+}
+
 /** Opens a page; `errors` are what its console has said. */
 export async function open(of, url, options = {}) {
   const context = await of.newContext({ viewport: { width: 1280, height: 800 }, ...options });
@@ -50,6 +63,7 @@ export async function open(of, url, options = {}) {
     if (message.type() === "error" || message.type() === "warning") errors.push(message.text());
   });
   page.on("pageerror", (error) => errors.push(String(error)));
+  await freshPage(page);
   await page.goto(url);
   await page.waitForFunction(() => globalThis.studio?.game.frame, null, { timeout: 20_000 });
   return { page, context, errors };

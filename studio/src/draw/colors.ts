@@ -1,6 +1,6 @@
 // The colours of the stage, for light and dark: by the role of a thing first, then by words in its tags, then in order.
 
-import type { EntityInfo, Role, Scene, SlotInfo } from "../protocol.ts";
+import type { EntityInfo, Role, Scene, SlotInfo, TileInfo } from "../protocol.ts";
 
 export type Theme = "light" | "dark";
 
@@ -122,6 +122,14 @@ function byWord(name: string): [number, number] | null {
   return found ? [found[1], found[2]] : null;
 }
 
+/** Scenery that covers more of a map than this is its air. */
+const AIR = 0.55;
+
+/** Whether a kind of tile is not drawn: without tags, or scenery nearly everywhere. */
+export function isAir(kind: TileInfo, count: number, of: number): boolean {
+  return kind.tags.length === 0 || (kind.role === "scenery" && count > AIR * of);
+}
+
 /** A kind of static thing as the legend shows it. */
 export interface Kind {
   name: string;
@@ -155,7 +163,7 @@ export class Colors {
       const used = [...counts].filter(([kind]) => kind >= 0).sort((a, b) => b[1] - a[1]);
       for (const [kind] of used) {
         const info = space.map?.kinds[kind];
-        if (info) this.kind(info.tags, info.role);
+        if (info && !isAir(info, counts.get(kind) ?? 0, space.map?.cells.length ?? 0)) this.kind(info.tags, info.role);
       }
       for (const solid of space.solids) this.kind(solid.tags, solid.role);
     }

@@ -17,6 +17,8 @@ export function drawPath(
   path: Place[],
   from: number,
   to: number,
+  dx: number,
+  dy: number,
 ): void {
   context.beginPath();
   let before: Place | null = null;
@@ -27,8 +29,8 @@ export function drawPath(
       continue;
     }
     const joins = before && Math.abs(place[1] - before[1]) < JUMP && Math.abs(place[2] - before[2]) < JUMP;
-    if (joins) context.lineTo(camera.toX(place[1]), camera.toY(place[2]));
-    else context.moveTo(camera.toX(place[1]), camera.toY(place[2]));
+    if (joins) context.lineTo(camera.toX(place[1] + dx), camera.toY(place[2] + dy));
+    else context.moveTo(camera.toX(place[1] + dx), camera.toY(place[2] + dy));
     before = place;
   }
   context.stroke();
@@ -89,6 +91,9 @@ export class Overlays {
     private readonly game: Game,
     private readonly stage: Stage,
   ) {
+    stage.underlays.push((context, camera, space) => {
+      if (this.points > 0) this.drawHeat(context, camera, space);
+    });
     stage.overlays.push((context, camera, space) => this.draw(context, camera, space));
     game.onScene.on(() => {
       this.clearHeat();
@@ -98,13 +103,20 @@ export class Overlays {
     });
   }
 
+  private anchor(player: number): { x: number; y: number; bottom: number } {
+    const slot = this.game.scene?.players[player]?.slot;
+    return slot === undefined ? { x: 0, y: 0, bottom: 0 } : this.stage.anchor(slot);
+  }
+
   clearHeat(): void {
     this.heat = (this.game.scene?.spaces ?? []).map(() => new Map<number, number>());
     this.points = 0;
   }
 
   addHeat(points: Place[]): void {
-    for (const [space, x, y] of points) {
+    const { x: dx, y: dy } = this.anchor(0);
+    for (const [space, left, bottom] of points) {
+      const [x, y] = [left + dx, bottom + dy];
       const key = Math.floor(y / CELL) * 65536 + Math.floor(x / CELL);
       const map = this.heat[space];
       if (map) map.set(key, (map.get(key) ?? 0) + 1);
@@ -118,10 +130,9 @@ export class Overlays {
     const { backdrop } = colors;
     context.lineJoin = "round";
     context.lineCap = "round";
-    if (this.points > 0) this.drawHeat(context, camera, space);
     this.drawGhost(context, camera, space, this.game.ghost, this.game.ghostStart, backdrop.ghost);
     this.drawGhost(context, camera, space, this.found, this.foundStart, backdrop.good);
-    if (shows.arc) for (const path of this.arcs) this.drawArc(context, camera, space, path);
+    if (shows.arc) this.arcs.forEach((path, player) => this.drawArc(context, camera, space, path, player));
     if (this.target && this.target[0] === space) {
       const [x, y] = [camera.toX(this.target[1]), camera.toY(this.target[2])];
       context.strokeStyle = backdrop.good;
@@ -141,13 +152,14 @@ export class Overlays {
   private drawGhost(context: CanvasRenderingContext2D, camera: Camera, space: number, paths: Paths, start: number, color: string): void {
     const { ratio } = this.stage;
     const at = (this.game.frame?.at ?? 0) - start;
-    for (const path of paths) {
+    for (const [player, path] of paths.entries()) {
       if (path.length < 2) continue;
+      const { x, y } = this.anchor(player);
       context.strokeStyle = color;
       context.globalAlpha = 0.65;
       context.lineWidth = 2.5 * ratio;
       context.setLineDash([1, 6 * ratio]);
-      drawPath(context, camera, space, path, 0, path.length);
+      drawPath(context, camera, space, path, 0, path.length, x, y);
       context.setLineDash([]);
       context.globalAlpha = 1;
       const place = path[Math.max(0, Math.min(path.length - 1, at))]!;
@@ -155,25 +167,26 @@ export class Overlays {
       context.fillStyle = color;
       context.globalAlpha = 0.85;
       context.beginPath();
-      context.arc(camera.toX(place[1]), camera.toY(place[2]), 5 * ratio, 0, 2 * Math.PI);
+      context.arc(camera.toX(place[1] + x), camera.toY(place[2] + y), 5 * ratio, 0, 2 * Math.PI);
       context.fill();
       context.globalAlpha = 1;
     }
   }
 
-  private drawArc(context: CanvasRenderingContext2D, camera: Camera, space: number, path: Place[]): void {
+  private drawArc(context: CanvasRenderingContext2D, camera: Camera, space: number, path: Place[], player: number): void {
     const { colors, ratio } = this.stage;
     const color = colors!.backdrop.arc;
     const arc = arcOf(path);
+    const { x: dx, bottom: dy } = this.anchor(player);
     context.strokeStyle = color;
     context.lineWidth = 2.5 * ratio;
     context.globalAlpha = 0.9;
-    drawPath(context, camera, space, path, 0, arc ? arc.count : Math.min(path.length, 45));
+    drawPath(context, camera, space, path, 0, arc ? arc.count : Math.min(path.length, 45), dx, dy);
     context.globalAlpha = 1;
     if (!arc || path[0]![0] !== space) return;
-    const [x, y] = [camera.toX(path[arc.apex]![1]), camera.toY(path[arc.apex]![2])];
-    const ground = camera.toY(path[0]![2]);
-    const [left, right] = [camera.toX(path[0]![1]), camera.toX(path[arc.count - 1]![1])];
+    const [x, y] = [camera.toX(path[arc.apex]![1] + dx), camera.toY(path[arc.apex]![2] + dy)];
+    const ground = camera.toY(path[0]![2] + dy);
+    const [left, right] = [camera.toX(path[0]![1] + dx), camera.toX(path[arc.count - 1]![1] + dx)];
     context.lineWidth = ratio;
     context.setLineDash([3 * ratio, 3 * ratio]);
     context.beginPath();
@@ -186,7 +199,7 @@ export class Overlays {
     context.fillStyle = color;
     context.beginPath();
     context.arc(x, y, 3.5 * ratio, 0, 2 * Math.PI);
-    context.arc(right, camera.toY(path[arc.count - 1]![2]), 3.5 * ratio, 0, 2 * Math.PI);
+    context.arc(right, camera.toY(path[arc.count - 1]![2] + dy), 3.5 * ratio, 0, 2 * Math.PI);
     context.fill();
     this.stage.label(`↑ ${Math.round(arc.height * 10) / 10} px`, x, y, color);
     const isLong = Math.abs(right - left) > 40 * ratio;
@@ -202,10 +215,11 @@ export class Overlays {
     for (const [key, count] of map) {
       const row = Math.floor(key / 65536 + 0.5);
       const column = key - row * 65536;
-      const [x, y] = [camera.toX(column * CELL), camera.toY((row + 1) * CELL)];
+      const [x, y] = [Math.round(camera.toX(column * CELL)), Math.round(camera.toY((row + 1) * CELL))];
       if (x > width || y > height || x < -size || y < -size) continue;
+      const [right, bottom] = [Math.round(camera.toX((column + 1) * CELL)), Math.round(camera.toY(row * CELL))];
       context.globalAlpha = Math.min(0.62, 0.2 + 0.09 * Math.log2(1 + count));
-      context.fillRect(Math.round(x), Math.round(y), Math.ceil(size), Math.ceil(size));
+      context.fillRect(x, y, right - x, bottom - y);
     }
     context.globalAlpha = 1;
     this.drawUnvisited(context, camera, space, map);

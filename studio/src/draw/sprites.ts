@@ -71,13 +71,13 @@ function drawBody(
   const rim = Math.max(1, Math.min(2.5, small / 12));
   shape(0);
   if (!isSolid) {
-    context.globalAlpha = 0.3;
+    context.globalAlpha = 0.62;
     context.fillStyle = paint.fill;
     context.fill();
     context.globalAlpha = 1;
     shape(rim / 2);
     context.strokeStyle = paint.fill;
-    context.lineWidth = rim * 1.2;
+    context.lineWidth = rim * 1.3;
     context.stroke();
     return;
   }

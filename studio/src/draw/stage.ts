@@ -32,8 +32,12 @@ export class Stage {
   readonly canvas = document.createElement("canvas");
   readonly camera = new Camera();
   readonly shows: Shows = { grid: false, sensors: false, contacts: false, names: false, arc: false };
+  /** What is drawn below the bodies, and above them. */
+  readonly underlays: Overlay[] = [];
   readonly overlays: Overlay[] = [];
   readonly onColors = new Signal();
+  /** Something else is shown on request. */
+  readonly onShows = new Signal();
   /** The instance that is looked at. */
   selected: number | null = null;
   /** The instance under the mouse. */
@@ -151,6 +155,7 @@ export class Stage {
     }
     drawSolids(context, space, colors, (x) => camera.toX(x), (y) => camera.toY(y), camera.scale);
     this.drawLinks(space);
+    for (const underlay of this.underlays) underlay(context, camera, camera.space);
     this.drawBodies();
     for (const overlay of this.overlays) overlay(context, camera, camera.space);
     context.strokeStyle = backdrop.border;
@@ -356,6 +361,13 @@ export class Stage {
     );
     context.stroke();
     context.globalAlpha = 1;
+  }
+
+  /** The middle of a slot's body as it was last seen, and its lower side, relative to its position. */
+  anchor(slot: number): { x: number; y: number; bottom: number } {
+    const box = this.lastBoxes;
+    const at = 4 * slot;
+    return { x: (box[at]! + box[at + 2]!) / 2, y: (box[at + 1]! + box[at + 3]!) / 2, bottom: box[at + 1]! };
   }
 
   /** Writes a text above a point. */

@@ -1,7 +1,7 @@
 // The tiles of a space, drawn into pieces of canvas that are kept: a wall is one shape with rounded corners and a lit edge.
 
-import type { MapInfo, SpaceInfo } from "../protocol.ts";
-import type { Colors, Kind } from "./colors.ts";
+import type { MapInfo, SpaceInfo, TileInfo } from "../protocol.ts";
+import { type Colors, isAir, type Kind } from "./colors.ts";
 
 /** Side of a piece, pixels of the device. */
 const PIECE = 512;
@@ -30,7 +30,11 @@ export class TileLayer {
     private readonly map: MapInfo,
     colors: Colors,
   ) {
-    this.kinds = map.kinds.map((kind) => (kind.tags.length > 0 ? colors.kind(kind.tags, kind.role) : null));
+    const counts = map.kinds.map(() => 0);
+    for (const cell of map.cells) if (cell >= 0) counts[cell] = counts[cell]! + 1;
+    const look = (kind: TileInfo, at: number): Kind | null =>
+      isAir(kind, counts[at]!, map.cells.length) ? null : colors.kind(kind.tags, kind.role);
+    this.kinds = map.kinds.map(look);
     this.isBroken = new Uint8Array(map.cells.length);
   }
 

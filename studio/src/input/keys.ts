@@ -15,6 +15,8 @@ export class Inputs {
   readonly onPress = new Signal<Action>();
   /** What the touch controls hold: the strength of each action. */
   readonly touched = new Map<Action, number>();
+  /** The inputs of the last steps. */
+  last: Held[] = [];
   private scene: Scene | null = null;
   private readonly down = new Set<string>();
   /** Keys that went down since the last sample: a short tap counts for one step. */
@@ -60,6 +62,7 @@ export class Inputs {
       });
     }
     this.release();
+    this.last = [];
     this.onActions.emit();
   }
 
@@ -92,6 +95,7 @@ export class Inputs {
     for (const code of this.down) this.tapped.add(code);
     const held = this.held(this.tapped);
     this.tapped.clear();
+    this.last = held;
     return held;
   }
 

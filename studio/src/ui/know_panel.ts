@@ -70,6 +70,7 @@ export class KnowPanel implements Panel {
   select(slot: number | null): void {
     this.stage.selected = slot;
     this.edge = null;
+    this.checkBounds();
     this.update(true);
   }
 
@@ -220,7 +221,7 @@ export class KnowPanel implements Panel {
   private boundsFor = -1;
 
   /** Forgets the bounds of another instance. */
-  checkBounds(): void {
+  private checkBounds(): void {
     if (this.boundsFor >= 0 && this.boundsFor !== this.slot()) {
       this.bounds.clear();
       this.boundsFor = -1;

@@ -25,14 +25,16 @@ export class PlayPanel implements Panel {
   ) {
     const shows = stage.shows;
     const shown = (text: string, name: keyof typeof shows, key?: string): HTMLElement =>
-      toggle(text, shows[name], (isOn) => (shows[name] = isOn), key);
+      toggle(text, shows[name], (isOn) => {
+        shows[name] = isOn;
+        stage.onShows.emit();
+      }, key);
     this.element.append(
       this.worldRow,
       section("Keys", this.keys),
       section("Legend", this.legend),
       section(
         "Show",
-        shown("Coming path of a jump", "arc"),
         shown("Contacts and their sides", "contacts"),
         shown("Sensors", "sensors"),
         shown("Names", "names"),

@@ -72,6 +72,8 @@ export class TextPanel implements Panel {
       this.view.dom,
       h("p", { class: "quiet" }, "Escape leaves the editor for the game; Tab indents."),
     );
+    // Its text can have the focus; the box around it need not.
+    this.view.scrollDOM.removeAttribute("tabindex");
     this.file.addEventListener("change", () => void this.open(this.file.value));
     game.onOpened.on((opened) => this.take(opened));
   }
@@ -98,7 +100,7 @@ export class TextPanel implements Panel {
         ...defaultKeymap,
         ...historyKeymap,
       ]),
-      EditorView.contentAttributes.of({ "aria-label": "Program text" }),
+      EditorView.contentAttributes.of({ "aria-label": "Program text", tabindex: "0" }),
       EditorView.updateListener.of((update) => {
         if (update.docChanged && !this.isFilling) this.typed();
       }),

@@ -47,8 +47,8 @@ export class Transport {
       ...SPEEDS.map((of) => h("option", { value: of, selected: of === 1 }, SPEED_NAMES[of]!)),
     );
     this.element = h(
-      "div",
-      { class: "transport", role: "group", "aria-label": "Time" },
+      "footer",
+      { class: "transport", "aria-label": "Time" },
       h(
         "div",
         { class: "buttons" },

@@ -151,7 +151,9 @@ export class TunePanel implements Panel {
 
   /** What is held, with the button of the jump. */
   private held(): Held[] {
-    const held = this.inputs.peek();
+    // While time stands, the direction of the last step counts.
+    const isLive = this.game.mode === "live" || this.inputs.last.length === 0;
+    const held = isLive ? this.inputs.peek() : this.inputs.last.map((of) => ({ ...of, buttons: [...(of.buttons ?? [])] }));
     const at = Number(this.button.value);
     const first = held[0];
     if (first && at >= 0 && !first.buttons?.includes(at)) first.buttons = [...(first.buttons ?? []), at];

@@ -57,7 +57,7 @@ pub mod ir;
 pub mod json;
 pub mod level;
 pub mod lint;
-#[cfg(feature = "lsp")]
+#[cfg(feature = "language")]
 pub mod lsp;
 pub mod parallel;
 pub mod reach;

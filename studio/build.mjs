@@ -2,6 +2,8 @@
 import { build, context } from "esbuild";
 import { readFile, writeFile } from "node:fs/promises";
 
+import { define } from "./bundle.mjs";
+
 const folder = new URL(".", import.meta.url);
 const file = (path) => new URL(path, folder);
 
@@ -35,6 +37,7 @@ const options = {
   charset: "utf8",
   legalComments: "none",
   loader: { ".css": "css" },
+  define,
   plugins: [intoPage],
 };
 

@@ -40,16 +40,29 @@ fn modulo(a: f64, b: f64) -> f64 {
     if wrapped == b { 0.0 } else { wrapped }
 }
 
+/// The minimum. Of 0 and -0 it is the first one, where `f64::min` leaves the choice to the machine: `atan2` tells them
+/// apart.
+#[inline]
+fn least(a: f64, b: f64) -> f64 {
+    if b < a || a.is_nan() { b } else { a }
+}
+
+/// The maximum; of 0 and -0 the first one.
+#[inline]
+fn greatest(a: f64, b: f64) -> f64 {
+    if b > a || a.is_nan() { b } else { a }
+}
+
 /// A function of up to three numbers, `if` excepted.
 pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
     match function {
-        Function::Min => a.min(b),
-        Function::Max => a.max(b),
+        Function::Min => least(a, b),
+        Function::Max => greatest(a, b),
         Function::Abs => a.abs(),
         Function::Sign if a == 0.0 => 0.0,
         Function::Sign => a.signum(),
         // The upper bound wins where the bounds are crossed, as in min(max(x, low), high).
-        Function::Clamp => a.max(b).min(c),
+        Function::Clamp => least(greatest(a, b), c),
         Function::Floor => a.floor(),
         Function::Ceil => a.ceil(),
         Function::Round => a.round(),

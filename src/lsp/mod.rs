@@ -11,6 +11,7 @@
 //! | folder, file | holds |
 //! |---|---|
 //! | `protocol` | the connection, the worker, the table of requests, conversion from and to the protocol's types |
+//! | `service` | the same features by typed requests, without a connection: for the editor of the playground |
 //! | `features` | the features of the server: functions from a view, a path and a byte offset to plain results |
 //! | `view`, `snapshot`, `documents`, `values`, `location` | the state that features read, and locations in it |
 //! | `text` | texts that may not parse: positions, tokens, the context of a cursor |
@@ -23,10 +24,14 @@
 //! has compiled the documents as of the request. Where a text does not parse, features fall back to the last snapshot
 //! without errors.
 
+#![cfg_attr(not(feature = "lsp"), allow(dead_code, reason = "the service alone offers fewer features"))]
+
 mod documents;
 mod features;
 mod location;
+#[cfg(feature = "lsp")]
 mod protocol;
+pub mod service;
 mod snapshot;
 mod text;
 mod values;
@@ -34,6 +39,7 @@ mod view;
 
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "lsp")]
 pub use protocol::{Server, Settings};
 
 use crate::source::Files;

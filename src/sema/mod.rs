@@ -55,11 +55,11 @@ use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::occurrence::{NameKind, Occurrences};
 use crate::syntax::{MAX_OPERATORS, ast};
 
-#[cfg(all(test, feature = "lsp"))]
+#[cfg(all(test, feature = "language"))]
 pub(crate) use call::FUNCTIONS;
 use checked::Checked;
 use checked::SetId;
-#[cfg(feature = "lsp")]
+#[cfg(feature = "language")]
 pub(crate) use constant::KNOWN_CONSTANTS;
 pub use constant::{ConstantContext, ConstantError, evaluate};
 pub(crate) use foreign::side as side_meant;

@@ -15,7 +15,7 @@ mod sliders;
 
 pub use project::Level;
 pub use protocol::*;
-pub use search::Task;
+pub use search::{Listener, Task};
 pub use session::Session;
 
 /// The JSON Schemas of requests as they are read and of answers as they are written.

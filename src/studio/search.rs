@@ -20,6 +20,8 @@ const MAX_POINTS: usize = 20_000;
 
 /// Work for another thread, or for the same one where there are no threads.
 pub type Task = Box<dyn FnOnce() + Send>;
+/// Takes how far a search is, while it runs.
+pub type Listener = Box<dyn Fn(Searching) + Send + Sync>;
 
 /// A search that runs or has ended.
 pub(super) struct Search {
@@ -47,6 +49,8 @@ struct Shared {
     /// The result.
     result: Mutex<Option<Searching>>,
     budget: u64,
+    /// Told of all progress: where a search blocks the session, nobody polls it.
+    listener: Option<Arc<Listener>>,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -60,6 +64,10 @@ impl Watch for Shared {
 
     fn progress(&self, progress: Progress) {
         *lock(&self.progress) = progress;
+        if let Some(listener) = &self.listener {
+            let points = std::mem::take(&mut *lock(&self.points));
+            listener(Searching { is_running: true, points, ..of_progress(progress, self.budget) });
+        }
     }
 
     fn node(&self, space: usize, at: [f32; 2]) {
@@ -82,13 +90,14 @@ impl Supervisor for Watched<'_> {
 
 impl Search {
     /// Starts a search.
-    pub fn start(question: Question, spawn: &dyn Fn(Task)) -> Search {
+    pub fn start(question: Question, spawn: &dyn Fn(Task), listener: Option<Arc<Listener>>) -> Search {
         let shared = Arc::new(Shared {
             is_stopped: AtomicBool::new(false),
             progress: Mutex::default(),
             points: Mutex::default(),
             result: Mutex::default(),
             budget: question.nodes,
+            listener,
         });
         let of_thread = Arc::clone(&shared);
         spawn(Box::new(move || {

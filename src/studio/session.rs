@@ -18,7 +18,7 @@ use super::paint::Written;
 use super::project::{Level, Project, findings};
 use super::protocol::{Answer, Finding, Opened, Request, Scene, Target};
 use super::scene::scene;
-use super::search::{Question, Search, Task};
+use super::search::{Listener, Question, Search, Task};
 use super::sliders;
 
 /// Maximum number of frames of a ghost.
@@ -40,6 +40,7 @@ pub struct Session {
     game: Option<Game>,
     search: Option<Search>,
     spawn: Box<dyn Fn(Task) + Send>,
+    listener: Option<Arc<Listener>>,
     /// The files that the last compilation has read.
     sources: Vec<PathBuf>,
     /// The findings of the last compilation.
@@ -70,12 +71,18 @@ impl Session {
             game: None,
             search: None,
             spawn,
+            listener: None,
             sources: Vec::new(),
             findings: Vec::new(),
             is_current: false,
             worlds: Vec::new(),
             undone: Vec::new(),
         }
+    }
+
+    /// Tells a listener how far searches are, in addition to [`Request::Poll`].
+    pub fn on_progress(&mut self, listener: Listener) {
+        self.listener = Some(Arc::new(listener));
     }
 
     /// The files that the program was made of, levels included; the main file first.
@@ -359,7 +366,7 @@ impl Session {
                 question(program, compilation.sources, world, reach::Target::Never(never))
             }
         };
-        let search = Search::start(question, &*self.spawn);
+        let search = Search::start(question, &*self.spawn, self.listener.clone());
         let answer = search.poll();
         self.search = Some(search);
         Ok(Answer::Searching(answer))

@@ -1,9 +1,11 @@
-// The page of `hypedc play`: connects to the server that it comes from.
+// The page of `hypedc play`: connects to the server that it comes from, or runs the engine that it carries.
 
 import "./style.css";
 import { startStudio } from "./app.ts";
 import { h } from "./ui/dom.ts";
 import { WebSocketCarrier } from "./websocket.ts";
+import { embedded } from "./worker/embedded.ts";
+import { startInBrowser } from "./worker/studio.ts";
 
 /** What tests and measurements look at. */
 declare global {
@@ -14,7 +16,11 @@ declare global {
 
 async function main(): Promise<void> {
   try {
-    window.studio = await startStudio({ carrier: await WebSocketCarrier.open() });
+    const own = await embedded();
+    window.studio =
+      own === null
+        ? await startStudio({ carrier: await WebSocketCarrier.open() })
+        : await startInBrowser(own.parts, own.project);
   } catch (error) {
     document.body.append(h("main", { class: "failed", role: "alert" }, error instanceof Error ? error.message : String(error)));
   }

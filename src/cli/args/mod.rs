@@ -269,6 +269,12 @@ pub(in crate::cli) struct PlayArgs {
     /// Only prints the address of the page.
     #[arg(long)]
     pub no_open: bool,
+    /// Writes one HTML file that plays without a network and without hypedc, instead of serving the page.
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "no_open"])]
+    pub export: Option<PathBuf>,
+    /// The engine for the file, a module of WebAssembly; needed if hypedc was built without one.
+    #[arg(long, value_name = "PATH", requires = "export")]
+    pub engine: Option<PathBuf>,
 }
 
 /// How traces are written.

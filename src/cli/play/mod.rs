@@ -2,6 +2,7 @@
 //! searched. The page speaks to a session of [`crate::studio`] over a WebSocket.
 
 mod carrier;
+mod export;
 mod files;
 mod guard;
 
@@ -35,6 +36,9 @@ pub(super) fn run(args: &PlayArgs) -> io::Result<Exit> {
             plain_error(&format!("cannot read `{}`: {}", path.display(), files::reason(&error)))?;
             return Ok(Exit::Refused);
         }
+    }
+    if let Some(target) = &args.export {
+        return export::run(args, target);
     }
     let listener = match TcpListener::bind(SocketAddr::from((Ipv4Addr::LOCALHOST, args.port))) {
         Ok(listener) => listener,

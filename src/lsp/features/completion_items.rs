@@ -43,6 +43,29 @@ pub(in crate::lsp) enum CompletionKind {
     Input,
 }
 
+impl CompletionKind {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            CompletionKind::Mode => "mode",
+            CompletionKind::Function => "function",
+            CompletionKind::Variable => "variable",
+            CompletionKind::Instance => "instance",
+            CompletionKind::Entity => "entity",
+            CompletionKind::Behavior => "behavior",
+            CompletionKind::Space => "space",
+            CompletionKind::Property => "property",
+            CompletionKind::Group => "group",
+            CompletionKind::Keyword => "keyword",
+            CompletionKind::Snippet => "snippet",
+            CompletionKind::File => "file",
+            CompletionKind::Value => "value",
+            CompletionKind::Constant => "constant",
+            CompletionKind::Input => "input",
+        }
+    }
+}
+
 /// The inserted text.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::lsp) enum Insert {

@@ -27,6 +27,41 @@ pub(in crate::lsp) enum TokenKind {
     Name(NameKind, Role),
 }
 
+impl TokenKind {
+    /// Its name: one of the token types of the protocol.
+    pub fn name(self) -> &'static str {
+        match self {
+            TokenKind::Comment => "comment",
+            TokenKind::Text => "string",
+            TokenKind::Number => "number",
+            TokenKind::Keyword => "keyword",
+            TokenKind::Operator => "operator",
+            TokenKind::Function => "function",
+            TokenKind::Name(kind, _) => type_of_name(kind),
+        }
+    }
+}
+
+/// The token type of a name.
+fn type_of_name(kind: NameKind) -> &'static str {
+    match kind {
+        NameKind::Entity => "class",
+        NameKind::Behavior => "interface",
+        NameKind::World | NameKind::Space => "namespace",
+        NameKind::Group => "enum",
+        NameKind::Mode => "method",
+        NameKind::Value => "enumMember",
+        NameKind::Argument | NameKind::Parameter => "parameter",
+        NameKind::Constant => "macro",
+        NameKind::Variable | NameKind::Discrete | NameKind::SignalNumber => "property",
+        NameKind::Reference | NameKind::Touched | NameKind::Instance => "variable",
+        NameKind::Button | NameKind::Axis | NameKind::Chance | NameKind::Signal => "event",
+        NameKind::Tag => "label",
+        NameKind::TileSet => "type",
+        NameKind::Condition | NameKind::Goal | NameKind::Never => "function",
+    }
+}
+
 /// A token, within one line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) struct Token {

@@ -12,7 +12,8 @@ use gen_lsp_types::{
 
 use super::positions::{self, START};
 use super::uri::{path_of, uri_of};
-use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::lsp::features::findings::{is_unnecessary, message};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::alignment::Alignment;
 use crate::lsp::text::document_text::Encoding;
@@ -113,30 +114,10 @@ pub(super) fn to_protocol_diagnostic(finding: &Diagnostic, snapshot: &Snapshot, 
         code_description: None,
         source: Some("hypedc".into()),
         message: message(finding).into(),
-        tags: tag(finding.code).map(|tag| vec![tag]),
+        tags: is_unnecessary(finding.code).then(|| vec![DiagnosticTag::Unnecessary]),
         related_information: (!related.is_empty()).then_some(related),
         data: None,
     }
-}
-
-/// Labels that add nothing to the message: they only mark the span.
-const REDUNDANT_LABELS: [&str; 2] = ["not declared", "does not fit here"];
-
-/// The message of a diagnostic: the finding's message, the label of its span, helps, notes.
-fn message(finding: &Diagnostic) -> String {
-    // A terminal shows the label below the span; here a label that repeats the message is redundant.
-    let adds = |text: &String| !finding.message.contains(text.as_str()) && !REDUNDANT_LABELS.contains(&text.as_str());
-    let label = finding.primary.iter().map(|l| l.text.to_string()).filter(adds);
-    let helps = finding.helps.iter().map(|text| format!("help: {text}"));
-    let notes = finding.notes.iter().map(|text| format!("note: {text}"));
-    let lines: Vec<String> = std::iter::once(finding.message.clone()).chain(label).chain(helps).chain(notes).collect();
-    lines.join("\n")
-}
-
-/// Code without effect is tagged, so that editors fade it.
-fn tag(code: Code) -> Option<DiagnosticTag> {
-    let without_effect = matches!(code.text(), "W0201" | "W0401" | "W0403" | "W0405" | "W0702");
-    without_effect.then_some(DiagnosticTag::Unnecessary)
 }
 
 /// The diagnostics of a program.

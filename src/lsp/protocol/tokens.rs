@@ -52,15 +52,7 @@ pub(super) fn legend() -> SemanticTokensLegend {
 
 /// The index of the type of a token in the legend, and its modifiers.
 fn encode_kind(kind: TokenKind) -> (u32, u32) {
-    let name = match kind {
-        TokenKind::Comment => "comment",
-        TokenKind::Text => "string",
-        TokenKind::Number => "number",
-        TokenKind::Keyword => "keyword",
-        TokenKind::Operator => "operator",
-        TokenKind::Function => "function",
-        TokenKind::Name(kind, _) => type_of_name(kind),
-    };
+    let name = kind.name();
     let type_index = TYPES.iter().position(|t| *t == name).unwrap_or_default() as u32;
     let modifiers = match kind {
         TokenKind::Function => LIBRARY,
@@ -76,26 +68,6 @@ fn encode_kind(kind: TokenKind) -> (u32, u32) {
         _ => 0,
     };
     (type_index, modifiers)
-}
-
-/// The token type of a name.
-fn type_of_name(kind: NameKind) -> &'static str {
-    match kind {
-        NameKind::Entity => "class",
-        NameKind::Behavior => "interface",
-        NameKind::World | NameKind::Space => "namespace",
-        NameKind::Group => "enum",
-        NameKind::Mode => "method",
-        NameKind::Value => "enumMember",
-        NameKind::Argument | NameKind::Parameter => "parameter",
-        NameKind::Constant => "macro",
-        NameKind::Variable | NameKind::Discrete | NameKind::SignalNumber => "property",
-        NameKind::Reference | NameKind::Touched | NameKind::Instance => "variable",
-        NameKind::Button | NameKind::Axis | NameKind::Chance | NameKind::Signal => "event",
-        NameKind::Tag => "label",
-        NameKind::TileSet => "type",
-        NameKind::Condition | NameKind::Goal | NameKind::Never => "function",
-    }
 }
 
 /// Encodes tokens, each position relative to the preceding token.

@@ -2,16 +2,10 @@
 
 import { StreamLanguage, type StringStream } from "@codemirror/language";
 
-const WORDS = new Set(
-  (
-    "and or not in is as if true false none self timer param continuous discrete ref button axis collider kinematic " +
-    "clamp invariant group mode when else envelope use spawn destroy entity behavior world import const int bool always " +
-    "condition signal send chance initial by fixed directions attack decay sustain for release while instant accel over " +
-    "hold to follow links step collide with block sense from above keep velocity bounce carry tiles slope breakable " +
-    "restore after space player goal never limit map place at link rect circle bounds wrap legend vglc level tiled ldtk " +
-    "tile all any touching nearest within held pressed released entering exiting look empty"
-  ).split(" "),
-);
+/** The keywords of grammar/hyped.pest; the build puts them here. */
+declare const HYPED_KEYWORDS: string[];
+
+const WORDS: ReadonlySet<string> = new Set(HYPED_KEYWORDS);
 
 interface State {
   /** Inside of a text between quotes, which may go over lines. */

@@ -41,6 +41,9 @@ export class TextPanel implements Panel {
   readonly painter: Paint;
   /** Path of the file that is shown; none before the first. */
   path: string | null = null;
+  /** Whether the editor marks what the session finds; otherwise something that extends it does. */
+  isMarked = true;
+  private readonly tools: HTMLElement;
   private readonly file = h("select", { "aria-label": "File" });
   private readonly saveButton: HTMLButtonElement;
   private readonly view: EditorView;
@@ -61,9 +64,11 @@ export class TextPanel implements Panel {
     this.painter = new Paint(game, stage, () => void this.fill());
     this.saveButton = button(game.carrier.canSave ? "Save" : "Download", () => void this.save(), "small");
     this.view = new EditorView({ state: EditorState.create({ extensions: this.extensions() }) });
+    const discard = button("Discard changes", () => void this.discard(), "small link");
+    this.tools = h("div", { class: "row" }, this.file, this.saveButton, discard);
     this.element.append(
       this.painter.element,
-      h("div", { class: "row" }, this.file, this.saveButton, button("Discard changes", () => void this.discard(), "small link")),
+      this.tools,
       this.view.dom,
       h("p", { class: "quiet" }, "Escape leaves the editor for the game; Tab indents."),
     );
@@ -107,6 +112,11 @@ export class TextPanel implements Panel {
   /** Adds to the editor: completion and hover where there is a language server. */
   extend(extensions: Extension): void {
     this.view.dispatch({ effects: this.more.reconfigure(extensions) });
+  }
+
+  /** Adds a button above the text. */
+  addTool(tool: HTMLElement): void {
+    this.tools.append(tool);
   }
 
   get editor(): EditorView {
@@ -158,6 +168,7 @@ export class TextPanel implements Panel {
   }
 
   private mark(findings: Finding[]): void {
+    if (!this.isMarked) return;
     const doc = this.view.state.doc;
     const marks: Diagnostic[] = [];
     for (const finding of findings) {

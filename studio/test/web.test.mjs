@@ -1,0 +1,340 @@
+// The engine in a real browser: exported games from a file with the network off, and the playground. HYPEDC names the
+// binary, HYPEDC_ENGINE the packed engine.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { mkdtemp, readFile, stat, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+
+import { games, inputs } from "../../bindings/web/test/games.mjs";
+import { browser, hypedc, open, root } from "./browser.mjs";
+
+const engine = process.env.HYPEDC_ENGINE ?? join(root, "bindings/web/dist/hypedc.wasm.gz");
+const all = games();
+let chromium;
+let folder;
+before(async () => {
+  chromium = await browser();
+  folder = await mkdtemp(join(tmpdir(), "hypedc-web-"));
+});
+after(() => chromium.close());
+
+/** Runs the binary; says what it says if it fails. */
+function run(args, codes = [0]) {
+  const { status, stderr } = spawnSync(hypedc, args, { cwd: root, encoding: "utf8" });
+  assert.ok(codes.includes(status), `${status}: ${args.join(" ")}: ${stderr}`);
+}
+
+/** Exports a game as one file; returns its address. */
+async function exported({ name, project }) {
+  const path = join(folder, `${name.replaceAll(/[^\w]+/g, "-")}.html`);
+  const level = project.map ? ["--map", project.map] : [];
+  run(["play", project.root, ...level, "--export", path, "--engine", engine]);
+  return pathToFileURL(path).href;
+}
+
+/** Opens an exported game without a network. */
+async function playing(t, name, options = {}) {
+  const opened = await open(chromium, await exported(all.find((game) => game.name === name)), { offline: true, ...options });
+  t?.after(() => opened.context.close());
+  return opened;
+}
+
+const game = (page, what) => page.evaluate(`globalThis.studio.game.${what}`);
+async function until(page, condition, timeout = 20_000) {
+  const end = Date.now() + timeout;
+  while (!(await page.evaluate(`Boolean(${condition})`))) {
+    assert.ok(Date.now() < end, `not after ${timeout} ms: ${condition}`);
+    await new Promise((done) => setTimeout(done, 10));
+  }
+}
+
+/** Keeps all frames that the page gets. */
+const recording = (page) =>
+  page.evaluate(() => {
+    globalThis.frames = new Map();
+    const { carrier } = globalThis.studio.game;
+    const ask = carrier.ask.bind(carrier);
+    carrier.ask = async (request) => {
+      const answer = await ask(request);
+      for (const frame of [answer.frame, answer.before]) if (frame?.bodies) globalThis.frames.set(frame.at, frame);
+      return answer;
+    };
+  });
+
+/** Asks for the frames that the page was not shown: it steps several times at once if the machine is slow. */
+const complete = (page) =>
+  page.evaluate(async () => {
+    const { carrier, length } = globalThis.studio.game;
+    for (let frame = 0; frame <= length; frame += 1) {
+      if (!globalThis.frames.has(frame)) await carrier.ask({ ask: "seek", frame });
+    }
+  });
+
+/** Compares the frames of a page with the trace of `hypedc sim` for its inputs. Returns the number of equal positions. */
+async function compared(page, { project }) {
+  const script = await page.evaluate("globalThis.studio.game.script()");
+  const frames = new Map(await page.evaluate("[...globalThis.frames]"));
+  const scene = await game(page, "scene");
+  const [file, trace] = [join(folder, "run.inputs"), join(folder, "run.jsonl")];
+  await writeFile(file, script);
+  const level = project.map ? ["--map", project.map] : [];
+  const world = ["--world", scene.world];
+  // What is played draws by seed 0.
+  const chance = /^\s*chance /m.test(project.files[project.root]) ? ["--chance", "seed=0"] : [];
+  // Random play may violate a `never`: that is exit code 1.
+  run(["sim", project.root, ...level, ...world, ...chance, "--inputs-file", file, "--trace", trace], [0, 1]);
+  const [, ...lines] = (await readFile(trace, "utf8")).trim().split("\n");
+  let equal = 0;
+  for (const line of lines) {
+    const { step, instances } = JSON.parse(line);
+    const bodies = frames.get(step)?.bodies ?? [];
+    for (let at = 0; at < bodies.length; at += 5 + 5 * bodies[at + 4]) {
+      const of = instances[scene.slots[bodies[at]].name];
+      assert.deepEqual([of.x[0], of.y[0]], [bodies[at + 2], bodies[at + 3]], `${project.root}, step ${step}`);
+      equal += 1;
+    }
+  }
+  return { equal, steps: lines.length - 1 };
+}
+
+test("every example plays from one file without a network, with the steps of `hypedc sim`", async (t) => {
+  assert.ok(all.length > 25, `${all.length} games`);
+  let positions = 0;
+  for (const one of all) {
+    const { page, context, errors } = await open(chromium, await exported(one), { offline: true });
+    await recording(page);
+    // Held for some steps each, 2,000 in all; where a run ends, it begins again.
+    await page.evaluate(async () => {
+      const { game } = globalThis.studio;
+      let seed = 11;
+      const random = (below) => (seed = (seed * 48271) % 2147483647) % below;
+      for (let steps = 0; steps < 2000; ) {
+        const held = game.scene.players.map(({ buttons, axes }) => ({
+          buttons: buttons.flatMap((_, at) => (random(3) === 0 ? [at] : [])),
+          axes: axes.map(() => random(3) - 1),
+        }));
+        const count = 1 + random(24);
+        for (let step = 0; step < count; step += 1, steps += 1) {
+          const answer = await game.carrier.ask({ ask: "play", inputs: [held] });
+          if (answer.answer !== "shown") throw new Error(JSON.stringify(answer));
+          if (answer.ended === null) continue;
+          await game.carrier.ask({ ask: "seek", frame: Math.floor(answer.length / 2) });
+          break;
+        }
+      }
+    });
+    const { equal, steps } = await compared(page, one);
+    assert.ok(equal > 0 && steps > 0, `${one.name}: ${equal} positions in ${steps} steps`);
+    positions += equal;
+    assert.deepEqual(errors, [], one.name);
+    await context.close();
+  }
+  t.diagnostic(`${all.length} games, ${positions} positions`);
+});
+
+test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
+  const { page, errors } = await playing(t, "car");
+  await recording(page);
+  await page.evaluate("globalThis.studio.game.speed = 2");
+  const keys = ["ArrowUp", "ArrowLeft", "ArrowRight", "ArrowDown", "Space"];
+  let seed = 7;
+  const random = (below) => (seed = (seed * 48271) % 2147483647) % below;
+  while ((await game(page, "length")) < 2000) {
+    const key = keys[random(keys.length)];
+    await page.keyboard.down(key);
+    await page.waitForTimeout(20 + random(250));
+    if (random(3) > 0) await page.keyboard.up(key);
+    if (await game(page, "ended")) {
+      await page.evaluate(async () => {
+        const { game } = globalThis.studio;
+        await game.seek(game.length / 2);
+        await game.takeOver();
+      });
+    }
+  }
+  await page.keyboard.press("KeyP");
+  await until(page, "globalThis.studio.game.mode === 'paused'");
+  const shown = await page.evaluate("globalThis.frames.size");
+  await complete(page);
+  const { equal, steps } = await compared(page, all.find(({ name }) => name === "car"));
+  assert.ok(shown >= 500, `${shown} frames were shown`);
+  assert.ok(equal >= 2000 && steps >= 2000, `${equal} positions in ${steps} steps`);
+  assert.deepEqual(errors, []);
+});
+
+test("a search runs beside the play, and is stopped", async (t) => {
+  const { page, errors } = await playing(t, "paper/test2");
+  const asked = (request) => page.evaluate((of) => globalThis.studio.game.carrier.ask(of), request);
+  const goal = (await game(page, "scene.goals"))[0];
+  // A predicate that nothing proves and nothing reaches soon.
+  await page.evaluate("globalThis.studio.game.resume()");
+  const started = await asked({ ask: "search", target: { goal }, nodes: 400_000, seed: 1 });
+  assert.equal(started.is_running, true);
+  const [length, first] = [await game(page, "length"), await asked({ ask: "poll" })];
+  let found = first;
+  const points = [...first.points];
+  for (let polls = 0; found.is_running && polls < 400; polls += 1) {
+    await page.waitForTimeout(25);
+    found = await asked({ ask: "poll" });
+    points.push(...found.points);
+  }
+  assert.ok(points.length > 0, "the tree is reported");
+  assert.ok((await game(page, "length")) >= length, "the play goes on");
+  assert.equal(found.conclusion, "reached", found.verdict);
+  const shown = await asked({ ask: "load", script: found.script });
+  assert.ok(shown.frame.goals.length > 0, "the path leads to the goal");
+  // Stopped at once.
+  await asked({ ask: "seek", frame: 0 });
+  await asked({ ask: "search", target: { predicate: "1 > 2" }, nodes: 1_000_000, seed: 1 });
+  await asked({ ask: "stop" });
+  const stopped = await asked({ ask: "poll" });
+  assert.equal(stopped.answer === "refused" || !stopped.is_running, true, JSON.stringify(stopped));
+  assert.deepEqual(errors, []);
+});
+
+test("a text is changed while it runs, with the engine's help", async (t) => {
+  const { page, errors } = await playing(t, "mario");
+  await page.keyboard.down("ArrowRight");
+  await until(page, "globalThis.studio.game.length > 40");
+  await page.keyboard.up("ArrowRight");
+  await page.getByRole("tab", { name: "Edit" }).click();
+  await until(page, "globalThis.studio.text.editor.state.doc.length > 500");
+  const edited = (from, to) =>
+    page.evaluate(
+      ([old, put]) => {
+        const view = globalThis.studio.text.editor;
+        const at = view.state.doc.toString().indexOf(old);
+        const changes = { from: at, to: at + old.length, insert: put };
+        view.dispatch({ changes, selection: { anchor: at }, scrollIntoView: true });
+      },
+      [from, to],
+    );
+  await edited("run_speed = 100", "run_speed = 160");
+  await until(page, "globalThis.studio.game.ghost[0]?.length > 40");
+  assert.equal(await game(page, "opened.is_current"), true);
+  // A mistake is marked at its place; the last good version goes on.
+  await edited("y'' = gravity", "y'' = gravitty");
+  await page.locator(".cm-lintRange-error").first().waitFor();
+  assert.equal(await game(page, "opened.is_current"), false);
+  await page.locator(".cm-lintRange-error").first().hover();
+  await page.locator(".cm-tooltip").getByText("gravitty").first().waitFor();
+  await edited("gravitty", "gravity");
+  await page.locator(".cm-lintRange-error").first().waitFor({ state: "detached" });
+  // Completion: names of this program.
+  await page.evaluate(() => {
+    const view = globalThis.studio.text.editor;
+    const at = view.state.doc.toString().indexOf("run_speed = 160");
+    const line = view.state.doc.lineAt(at);
+    view.dispatch({ changes: { from: line.to, insert: "\n    x' = run" }, selection: { anchor: line.to + 13 } });
+    view.focus();
+  });
+  await page.keyboard.press("Control+Space");
+  await page.locator(".cm-tooltip-autocomplete").getByText("run_speed").first().waitFor();
+  await page.keyboard.press("Escape");
+  assert.ok((await page.locator(".cm-content [class*='sem-']").count()) > 10, "names have colours of their own");
+  assert.deepEqual(errors, []);
+});
+
+test("after a trap of the engine the page goes on", async (t) => {
+  const { page } = await playing(t, "balloon");
+  await page.keyboard.down("Space");
+  await until(page, "globalThis.studio.game.length > 30");
+  await page.keyboard.up("Space");
+  await page.keyboard.press("KeyP");
+  await until(page, "globalThis.studio.game.mode === 'paused'");
+  const before = await page.evaluate("JSON.stringify(globalThis.studio.game.frame)");
+  const trapped = await page.evaluate(() => globalThis.studio.game.carrier.ask({ ask: "trap" }));
+  assert.equal(trapped.answer, "refused");
+  assert.match(trapped.message, /bug of hypedc.*on request/);
+  const after = await page.evaluate(() => globalThis.studio.game.carrier.ask({ ask: "play", inputs: [] }));
+  assert.equal(JSON.stringify(after.frame), before, "the state before the request");
+  await page.locator(".toasts").getByText("The engine failed").waitFor();
+});
+
+/** Serves the playground. */
+async function playground(t) {
+  const types = { html: "text/html", js: "text/javascript", css: "text/css", json: "application/json", svg: "image/svg+xml", gz: "application/gzip" };
+  const server = createServer(async (request, response) => {
+    const name = new URL(request.url, "http://localhost").pathname.replace(/\/$/, "/index.html");
+    try {
+      const body = await readFile(join(root, "studio/dist/playground", name));
+      response.writeHead(200, { "content-type": types[name.split(".").pop()] ?? "text/plain" }).end(body);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  t.after(() => server.close());
+  return `http://127.0.0.1:${server.address().port}/`;
+}
+
+test("the playground: a gallery, games, links", async (t) => {
+  assert.ok((await stat(join(root, "studio/dist/playground/index.html"))).size > 0);
+  const url = await playground(t);
+  const context = await chromium.newContext({ viewport: { width: 1280, height: 800 } });
+  t.after(() => context.close());
+  const page = await context.newPage();
+  const errors = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) errors.push(message.text());
+  });
+  page.on("pageerror", (error) => errors.push(String(error)));
+  await page.goto(url);
+  await page.locator(".card").first().waitFor();
+  assert.equal(await page.locator(".card").count(), all.length);
+  await page.getByRole("link", { name: /^Mario/ }).first().click();
+  await until(page, "globalThis.studio?.game.frame");
+  // A change goes into the link.
+  await page.evaluate(() => {
+    const view = globalThis.studio.text.editor;
+    const at = view.state.doc.toString().indexOf("run_speed = 100");
+    view.dispatch({ changes: { from: at, to: at + 15, insert: "run_speed = 123" } });
+  });
+  await until(page, "globalThis.studio.game.opened.unsaved.length > 0");
+  await page.getByRole("button", { name: "Share" }).click();
+  await until(page, "location.hash.startsWith('#code=')");
+  const link = page.url();
+  const other = await context.newPage();
+  await other.goto(link);
+  await until(other, "globalThis.studio?.game.frame");
+  const text = await other.evaluate(() => globalThis.studio.game.carrier.ask({ ask: "text", written: true }));
+  assert.match(text.text, /run_speed = 123/);
+  await other.goto("about:blank");
+  await other.goto(`${url}#code=AAAA`);
+  await other.getByRole("alert").getByText("damaged").waitFor();
+  await other.goto("about:blank");
+  await other.goto(`${url}#new`);
+  await until(other, "globalThis.studio?.game.frame");
+  assert.deepEqual(await other.evaluate("globalThis.studio.game.opened.findings"), []);
+  assert.deepEqual(errors, []);
+});
+
+test("the first frame of the playground is there within 2 s", async (t) => {
+  const url = await playground(t);
+  const times = [];
+  for (let round = 0; round < 3; round += 1) {
+    const context = await chromium.newContext();
+    const page = await context.newPage();
+    await page.goto(`${url}#game=mario`);
+    await until(page, "globalThis.studio?.game.frame");
+    times.push(Math.round(await page.evaluate("performance.now()")));
+    await context.close();
+  }
+  t.diagnostic(`${times.join(", ")} ms`);
+  assert.ok(Math.min(...times) < 2000, `${times} ms`);
+});
+
+test("inputs of examples lead to their goals in the browser", async (t) => {
+  for (const name of ["balloon", "switch_door", "paper/test1"]) {
+    const { page, context } = await playing(null, name);
+    const script = inputs(all.find((one) => one.name === name).project.root);
+    const end = await page.evaluate((script) => globalThis.studio.game.carrier.ask({ ask: "load", script }), script);
+    assert.ok(end.frame.goals.length > 0, name);
+    await context.close();
+  }
+  t.diagnostic("3 games");
+});

@@ -11,7 +11,7 @@ use crate::support::{Disk, compile_text, program, sized};
 use hypedc::compile::compile;
 use hypedc::ir::{Bounds, GoalId, Program, SlotId, SpaceId, WorldId};
 use hypedc::sim::{Input, Simulator};
-use hypedc::view::{Images, Node, Part, Picture, Pose, Recorder, Run, Stop, Track, picture_svg};
+use hypedc::view::{Images, Mark, Node, Part, Picture, Pose, Recorder, Run, Stop, Track, picture_svg};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -9,7 +9,7 @@
 //! - `file="NAME"`, in any language: the block is that file. A file of `examples/` must be shown as it is.
 //!
 //! The sessions of a page run one after the other in a folder of their own that begins with a copy of `examples/`. A
-//! picture `NAME.svg` that they leave there is `docs/pictures/NAME.svg`.
+//! picture `NAME.svg` or `NAME.gif` that they leave there is the file of that name in `docs/pictures`.
 //!
 //! `UPDATE=1 cargo test --test language docs` rewrites outputs and pictures.
 
@@ -189,7 +189,7 @@ impl Sandbox {
     /// The pictures that the sessions left.
     fn pictures(&self) -> Vec<PathBuf> {
         let all = std::fs::read_dir(&self.folder).unwrap().map(|entry| entry.unwrap().path());
-        all.filter(|path| path.extension().is_some_and(|e| e == "svg")).collect()
+        all.filter(|path| path.extension().is_some_and(|e| e == "svg" || e == "gif")).collect()
     }
 }
 
@@ -267,7 +267,7 @@ fn play(page: &Path) -> Played {
         if is_updating() {
             std::fs::create_dir_all(PICTURES).unwrap();
             std::fs::copy(&picture, kept).unwrap();
-        } else if std::fs::read_to_string(&kept).ok() != Some(read(&picture)) {
+        } else if std::fs::read(&kept).ok() != std::fs::read(&picture).ok() {
             played.trouble.push_str(&format!("{}: {} is not what is drawn\n", page.display(), kept.display()));
         }
         played.pictures.insert(name);
@@ -299,7 +299,7 @@ fn sessions_print_what_is_shown() {
     assert!(trouble.is_empty(), "{trouble}`UPDATE=1 cargo test --test language docs` writes them anew");
     assert!(all.iter().map(|played| played.sessions).sum::<usize>() >= 20);
     let drawn: BTreeSet<String> = all.into_iter().flat_map(|played| played.pictures).collect();
-    let kept = files(PICTURES, "svg");
+    let kept = ["svg", "gif"].map(|extension| files(PICTURES, extension)).concat();
     let kept: BTreeSet<String> = kept.iter().map(|p| p.file_name().unwrap().to_str().unwrap().to_string()).collect();
     assert_eq!(drawn, kept, "each picture in {PICTURES} is drawn by a session");
 }

@@ -150,9 +150,11 @@ fn looks_are_seen() {
     assert!(count([0x12, 0x34, 0x56]) > 20 && count([0xfe, 0xdc, 0xba]) > 1000);
     let noise = shown.pictures[0].0.iter().filter(|pixel| pixel[2] == 0xff).count();
     assert!(noise > (SIDE * SIDE / 2) as usize, "{noise}");
-    let svg = fs::read_to_string(svg).unwrap();
-    assert!(svg.contains("data:image/png;base64,") && svg.contains("fill:#123456") && svg.contains("fill:#fedcba"));
-    roxmltree::Document::parse(&svg).unwrap();
+    let drawn = fs::read_to_string(&svg).unwrap();
+    assert!(
+        drawn.contains("data:image/png;base64,") && drawn.contains("fill:#123456") && drawn.contains("fill:#fedcba")
+    );
+    roxmltree::Document::parse(&drawn).unwrap();
     // A picture that is not there.
     fs::remove_file(folder.join("noise.png")).unwrap();
     let (code, text) = sim(&arguments);

@@ -170,24 +170,6 @@ pub enum Member {
     Use(Box<Use>),
 }
 
-/// `look #e04030`, `look "slime.png"`
-#[derive(Debug, Clone, PartialEq)]
-pub struct Look {
-    /// The colour or the picture.
-    pub appearance: Appearance,
-    /// The whole.
-    pub span: Span,
-}
-
-/// What something looks like, as written.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Appearance {
-    /// `#e04030`
-    Color(Name),
-    /// The path of a picture.
-    Picture(Name),
-}
-
 /// `chance name: low..high`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chance {

@@ -1,8 +1,8 @@
-//! Worlds in the syntax tree.
+//! Worlds in the syntax tree, and looks.
 
 use crate::source::Span;
 
-use super::ast::{Appearance, Assignment, Condition, Expr, File, Item, Name};
+use super::ast::{Assignment, Condition, Expr, File, Item, Name};
 
 /// `world Name { … }`
 #[derive(Debug, Clone, PartialEq)]
@@ -156,6 +156,24 @@ pub struct TileSpawn {
     pub span: Span,
     /// The whole.
     pub whole: Span,
+}
+
+/// `look #e04030`, `look "slime.png"`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The colour or the picture.
+    pub appearance: Appearance,
+    /// The whole.
+    pub span: Span,
+}
+
+/// What something looks like, as written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Appearance {
+    /// `#e04030`
+    Color(Name),
+    /// The path of a picture.
+    Picture(Name),
 }
 
 /// `look coin, gem: #ffd040`

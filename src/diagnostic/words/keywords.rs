@@ -378,7 +378,7 @@ pub const MEANINGS: &[Meaning] = &[
         "look",
         "What a thing looks like in pictures and on the page of `hypedc play`: a colour, or a PNG file in the folder of the \
          program. In an entity it is that of the instances, in a world that of what has a tag. No run depends on it.",
-        "look #e04030\nlook coin, gem: #ffd040\nlook water: \"water.png\"",
+        "look coin, gem: #ffd040\nlook water: \"water.png\"",
     ),
     means("player", "Gives an instance the inputs of a player.", "player 1: hero"),
     means(

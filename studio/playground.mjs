@@ -63,8 +63,8 @@ function about(text) {
   const lines = text.split("\n");
   const end = lines.findIndex((line) => !line.startsWith("//"));
   const words = lines.slice(0, end < 0 ? lines.length : end).map((line) => line.replace(/^\/+ ?/, ""));
-  // The lines that show commands say nothing here.
-  return words.filter((line) => !/^\s*(hypedc|\$) /.test(line)).join(" ").replace(/\s+/g, " ").trim();
+  // The lines that show commands or draw a plan say nothing here.
+  return words.filter((line) => !/^\s*(hypedc|\$) |·/.test(line)).join(" ").replace(/\s+/g, " ").trim();
 }
 
 const module = new URL("engine.wasm", target);
@@ -73,7 +73,8 @@ const web = new WebEngine(fileURLToPath(module));
 await rm(module);
 
 const gallery = { entries: [], files: {} };
-const title = (name) => name.replace(/^.*\//, "").replaceAll("_", " ").replace(/^./, (c) => c.toUpperCase());
+const title = (name) =>
+  name.replace(/^.*\//, "").replaceAll("_", " ").replace(/([a-z])(\d)/, "$1 $2").replace(/^./, (c) => c.toUpperCase());
 for (const { name, project } of games()) {
   const map = project.map ?? null;
   const id = name.replaceAll(/[^\w-]+/g, "-").replace(/-txt$/, "");

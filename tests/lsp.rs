@@ -6,6 +6,7 @@
 mod client;
 mod edits;
 mod names;
+mod service;
 mod session;
 mod writing;
 

@@ -1,13 +1,13 @@
 //! What is known about an instance in a frame: its modes and values, and of each edge that was considered in the step
 //! before, whether its guard held, part by part.
 
-use crate::ir::{Domain, Expr, ExprId, Id, ModeId, Program, SlotId, VarId};
+use crate::ir::{Domain, Expr, ExprId, Id, ModeId, Program, Side, SlotId, VarId};
 use crate::sim::{Inspection, Instance};
 use crate::source::SourceMap;
 
 use super::history::History;
 use super::project::place;
-use super::protocol::{Atom, EdgeState, Inspected, Value};
+use super::protocol::{Atom, Contact, EdgeState, Inspected, Value};
 
 /// Maximum number of parts of a guard that are shown.
 const MAX_ATOMS: usize = 32;
@@ -77,14 +77,26 @@ fn values(instance: Instance<'_>) -> Vec<Value> {
     all
 }
 
-/// The contact queries that hold, as they are written.
-fn contacts(program: &Program, sources: &SourceMap, instance: Instance<'_>) -> Vec<String> {
+/// The contact queries that hold.
+fn contacts(program: &Program, sources: &SourceMap, instance: Instance<'_>) -> Vec<Contact> {
     if !instance.is_alive() {
         return Vec::new();
     }
-    let Some(entity) = program.entity_named(&instance.entity().name) else { return Vec::new() };
-    let spans = &program.spans.entities[entity].touches;
-    instance.contacts().filter_map(|touch| Some(on_one_line(sources.slice(*spans.get(touch)?)))).collect()
+    let entity = instance.entity();
+    let Some(id) = program.entity_named(&entity.name) else { return Vec::new() };
+    let spans = &program.spans.entities[id].touches;
+    let side = |side: Side| match side {
+        Side::Left => "left",
+        Side::Right => "right",
+        Side::Above => "above",
+        Side::Below => "below",
+    };
+    let contact = |touch| {
+        let text = on_one_line(sources.slice(*spans.get(touch)?));
+        let side = entity.touches.get(touch)?.side.map(|of| side(of).to_string());
+        Some(Contact { text, side })
+    };
+    instance.contacts().filter_map(contact).collect()
 }
 
 fn on_one_line(text: &str) -> String {

@@ -482,10 +482,20 @@ pub struct Inspected {
     pub modes: Vec<usize>,
     /// Variables, discrete variables and parameters with their values as text, and for how long.
     pub values: Vec<Value>,
-    /// The names of what it touches, as written.
-    pub contacts: Vec<String>,
+    /// The contact queries that hold.
+    pub contacts: Vec<Contact>,
     /// The edges that were considered in the step that led to this frame.
     pub edges: Vec<EdgeState>,
+}
+
+/// A contact query that holds.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct Contact {
+    /// The query as it is written, or the condition that it is in.
+    pub text: String,
+    /// The side that it asks for: `left`, `right`, `above` or `below`.
+    pub side: Option<String>,
 }
 
 /// A value.

@@ -7,6 +7,7 @@ import type { Theme } from "./draw/colors.ts";
 import { Overlays } from "./draw/overlays.ts";
 import { Stage } from "./draw/stage.ts";
 import { Game } from "./game.ts";
+import { keyName } from "./input/actions.ts";
 import { Inputs } from "./input/keys.ts";
 import { recall, remember } from "./memory.ts";
 import { AskPanel } from "./ui/ask_panel.ts";
@@ -189,8 +190,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   });
   const update = (): void => {
     const isNew = game.mode === "paused" && game.length === 0 && game.scene !== null;
-    const keys = inputs.actions.length > 0 ? "Press a key of the game to start" : "Press play to start";
-    hint.textContent = isNew ? (touch.element.hidden ? keys : "Touch a control to start") : "";
+    if (isNew) hint.replaceChildren(...startHint(inputs, !touch.element.hidden));
     hint.hidden = !isNew || stage.isOverview || game.opened?.is_current === false;
     const isOver = game.ended !== null && game.mode === "paused" && game.frame?.at === game.length;
     ended.hidden = !isOver;
@@ -202,6 +202,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   };
   game.onShown.on(update);
   game.onMode.on(update);
+  inputs.onActions.on(update);
   game.onOpened.on(update);
 
   options.carrier.onLost((why) => {
@@ -209,6 +210,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     toasts.show(why, "bad");
   });
   const frame = (now: number): void => {
+    if (game.mode === "paused") inputs.watchGamepads();
     game.tick(now);
     stage.draw(now);
     requestAnimationFrame(frame);
@@ -219,4 +221,15 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   new Watcher(game, text, toasts).start();
   stage.canvas.focus({ preventScroll: true });
   return { game, stage, toasts, text, sidebar, bar };
+}
+
+/** What starts a game, with the names of its first keys. */
+function startHint(inputs: Inputs, isTouch: boolean): (Node | string)[] {
+  if (isTouch) return ["Touch a control to start"];
+  const first = inputs.actions.filter((action) => action.player === 0 && action.keys.length > 0);
+  if (first.length === 0) return ["Press ", h("kbd", {}, "P"), " to start"];
+  // Directions come last among the actions, but first to the hand.
+  const chosen = [...first.slice(-1), ...first.slice(0, first.length > 1 ? 1 : 0)];
+  const keys = chosen.flatMap((action, at) => [at > 0 ? " or " : "", h("kbd", {}, keyName(action.keys[0]!))]);
+  return ["Press ", ...keys, " to start"];
 }

@@ -19,11 +19,11 @@ export function watchContacts(game: Game, stage: Stage, overlays: Overlays): voi
     isAsking = true;
     last = performance.now();
     try {
-      const found: { slot: number; text: string }[] = [];
+      const found: typeof overlays.contacts = [];
       const slots = [...scene.players.map((player) => player.slot), ...(stage.selected === null ? [] : [stage.selected])];
       for (const slot of new Set(slots)) {
         const of = await ask(game.carrier, "inspected", { ask: "inspect", slot });
-        for (const text of of.contacts) found.push({ slot, text });
+        for (const contact of of.contacts) found.push({ slot, ...contact });
       }
       overlays.contacts = found;
     } catch {

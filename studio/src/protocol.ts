@@ -54,6 +54,13 @@ export interface ColliderInfo {
   tags: number[];
 }
 
+export interface Contact {
+  /** The side that it asks for: `left`, `right`, `above` or `below`. */
+  side: string | null;
+  /** The query as it is written, or the condition that it is in. */
+  text: string;
+}
+
 export interface EdgeState {
   /** The parts of its guard that `and` and `or` join, with their values. */
   atoms: Atom[];
@@ -127,8 +134,8 @@ export interface Held {
 }
 
 export interface Inspected {
-  /** The names of what it touches, as written. */
-  contacts: string[];
+  /** The contact queries that hold. */
+  contacts: Contact[];
   /** The edges that were considered in the step that led to this frame. */
   edges: EdgeState[];
   /** Whether it is there. */

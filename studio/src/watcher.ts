@@ -29,7 +29,11 @@ export class Watcher {
         await this.game.change({ ask: "reload" });
         await this.text.fill();
         const names = changed.map((path) => path.split(/[\\/]/).pop() ?? path).join(", ");
-        if (this.game.opened?.is_current) this.toasts.show(`${names}: reloaded`);
+        if (this.text.unsaved.some((path) => changed.includes(path))) {
+          this.toasts.show(`${names} has changed on the disk; the text of the editor is played until it is saved or discarded`);
+        } else if (this.game.opened?.is_current && Date.now() - this.text.savedAt > 1000) {
+          this.toasts.show(`${names}: reloaded`);
+        }
       }
       await new Promise((done) => setTimeout(done, document.hidden ? 10 * PAUSE : PAUSE));
     }

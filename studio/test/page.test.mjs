@@ -297,6 +297,32 @@ test("what is known of an instance is what is there", async (t) => {
   assert.ok(atoms.some((text) => text.includes("held(heat)")), atoms.join());
 });
 
+test("fingers play on a phone", async (t) => {
+  const viewport = { width: 390, height: 780 };
+  const { page } = await playing(t, ["examples/mario.hyped"], { viewport, hasTouch: true, isMobile: true });
+  const stick = await page.locator(".stick").boundingBox();
+  const pad = await page.locator(".pad", { hasText: "jump" }).boundingBox();
+  assert.ok(stick && pad && pad.y + pad.height < viewport.height, "the controls are in view");
+  await page.evaluate(
+    ([stick, pad]) => {
+      const touch = (selector, type, x, y) => {
+        const of = document.querySelector(selector);
+        of.setPointerCapture = () => undefined;
+        of.hasPointerCapture = () => true;
+        of.dispatchEvent(new PointerEvent(type, { pointerId: 5, clientX: x, clientY: y, bubbles: true }));
+      };
+      touch(".stick", "pointerdown", stick.x + stick.width - 4, stick.y + stick.height / 2);
+      touch(".pad", "pointerdown", pad.x + 10, pad.y + 10);
+    },
+    [stick, pad],
+  );
+  await until(page, "globalThis.studio.game.length > 30");
+  const script = await page.evaluate("globalThis.studio.game.script()");
+  assert.match(script, /jump|fire/);
+  const wide = await page.evaluate("document.documentElement.scrollWidth");
+  assert.equal(wide, viewport.width, "nothing is wider than the phone");
+});
+
 test("another origin gets nothing", async (t) => {
   const server = await play("examples/balloon.hyped");
   t.after(() => server.stop());

@@ -62,7 +62,8 @@ pub(crate) fn random_steps(
             }
             if is_over {
                 restarts += 1;
-                run = first.clone();
+                run.set_state(first.state());
+                run.set_steps(0);
                 run.set_seed(of.seed.wrapping_add(restarts));
                 break;
             }

@@ -82,7 +82,7 @@ export class Overlays {
   /** Where one wants to be, from a click into the level. */
   target: Place | null = null;
   /** Contacts of the players: slot and the side, as written. */
-  contacts: { slot: number; text: string }[] = [];
+  contacts: { slot: number; text: string; side: string | null }[] = [];
   private heat: Map<number, number>[] = [];
   /** Number of points that were added. */
   points = 0;
@@ -145,7 +145,10 @@ export class Overlays {
       context.lineTo(x, y + 15 * ratio);
       context.stroke();
     }
-    if (shows.contacts) this.drawContacts(context, camera, space);
+    if (shows.contacts) {
+      this.drawOneWays(context, camera, space);
+      this.drawContacts(context, camera, space);
+    }
   }
 
   /** A path with the place on it at the frame that is shown. */
@@ -251,14 +254,42 @@ export class Overlays {
     context.globalAlpha = 1;
   }
 
+  /** Marks the side from which one-way tiles and rectangles are solid. */
+  private drawOneWays(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
+    const info = this.game.scene?.spaces[space];
+    const { colors, ratio } = this.stage;
+    if (!info || !colors) return;
+    const size = 4 * ratio;
+    context.strokeStyle = colors.backdrop.good;
+    context.lineWidth = 2 * ratio;
+    context.beginPath();
+    const mark = (worldX: number, worldY: number): void => {
+      const [x, y] = [camera.toX(worldX), camera.toY(worldY)];
+      if (x < 0 || y < 0 || x > context.canvas.width || y > context.canvas.height) return;
+      context.moveTo(x - size, y - 2 * size);
+      context.lineTo(x, y - size);
+      context.lineTo(x + size, y - 2 * size);
+    };
+    for (const solid of info.solids) {
+      if (solid.role === "one_way") mark((solid.area[0] + solid.area[2]) / 2, solid.area[3]);
+    }
+    const { map } = info;
+    for (let cell = 0; map && cell < map.cells.length; cell++) {
+      if (map.kinds[map.cells[cell]!]?.role !== "one_way") continue;
+      const [column, row] = [cell % map.columns, Math.floor(cell / map.columns)];
+      mark((column + 0.5) * map.tile[0], (map.rows - row) * map.tile[1]);
+    }
+    context.stroke();
+  }
+
   private drawContacts(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
     const { game, stage } = this;
     const bodies = game.frame!.bodies;
+    // One above the other, over the name if it is shown.
     const seen = new Map<number, number>();
-    for (const { slot, text } of this.contacts) {
+    for (const { slot, text, side } of this.contacts) {
       const at = game.now.start(slot);
       if (at < 0 || bodies[at + 1] !== space) continue;
-      const side = /\b(left|right|above|below)\)/.exec(text)?.[1];
       const of = bodies.slice(at + 6, at + 10);
       if (of.length < 4) continue;
       const [x, y] = [bodies[at + 2]!, bodies[at + 3]!];
@@ -272,7 +303,8 @@ export class Overlays {
         context.lineTo(camera.toX(line[2]!), camera.toY(line[3]!));
         context.stroke();
       }
-      const order = seen.get(slot) ?? 0;
+      const hasName = stage.shows.names || slot === stage.selected || slot === stage.hovered;
+      const order = seen.get(slot) ?? (hasName ? 1 : 0);
       seen.set(slot, order + 1);
       stage.label(text, camera.toX((left + right) / 2), camera.toY(top) - order * 15 * stage.ratio);
     }

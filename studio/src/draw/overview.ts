@@ -4,7 +4,7 @@ import { HEAD, PART } from "../bodies.ts";
 import type { Game } from "../game.ts";
 import type { Scene, SpaceInfo } from "../protocol.ts";
 import type { Colors } from "./colors.ts";
-import { drawSolids, TileLayer } from "./tiles.ts";
+import { Scenery } from "./tiles.ts";
 
 /** Longest side of the picture of a space, pixels. */
 const PICTURE = 1400;
@@ -109,17 +109,7 @@ export class Overview {
     canvas.height = Math.max(1, Math.round((top - bottom) * scale));
     const context = canvas.getContext("2d");
     if (!context) return canvas;
-    const sky = context.createLinearGradient(0, 0, 0, canvas.height);
-    sky.addColorStop(0, colors.backdrop.sky[0]);
-    sky.addColorStop(1, colors.backdrop.sky[1]);
-    context.fillStyle = sky;
-    context.fillRect(0, 0, canvas.width, canvas.height);
-    const [toX, toY] = [(x: number) => (x - left) * scale, (y: number) => (top - y) * scale];
-    if (space.map) {
-      const layer = new TileLayer(space.map, colors);
-      layer.draw(context, toX(0), toY(space.map.rows * space.map.tile[1]), scale, canvas.width, canvas.height);
-    }
-    drawSolids(context, space, colors, toX, toY, scale);
+    new Scenery(space, colors).draw(context, 0, 0, scale, canvas.width, canvas.height);
     return canvas;
   }
 

@@ -9,7 +9,7 @@ import { Colors, type Theme } from "./colors.ts";
 import { drawFace } from "./face.ts";
 import { Overview } from "./overview.ts";
 import { Sprites } from "./sprites.ts";
-import { drawSolids, TileLayer } from "./tiles.ts";
+import { Scenery } from "./tiles.ts";
 
 /** Bodies that move further than this in a step have jumped, px. */
 const JUMP = 48;
@@ -48,7 +48,7 @@ export class Stage {
   private readonly context: CanvasRenderingContext2D;
   private readonly sprites = new Sprites();
   private readonly overview = new Overview();
-  private layers: (TileLayer | null)[] = [];
+  private layers: Scenery[] = [];
   private theme: Theme = "light";
   private last = 0;
   private readonly box: Box = [0, 0, 0, 0];
@@ -81,7 +81,7 @@ export class Stage {
     const colors = new Colors(scene, this.theme);
     this.colors = colors;
     this.sprites.clear();
-    this.layers = scene.spaces.map((space) => (space.map ? new TileLayer(space.map, colors) : null));
+    this.layers = scene.spaces.map((space) => new Scenery(space, colors));
     this.brokenCells = scene.spaces.map(() => []);
     if (this.lastBoxes.length !== 4 * scene.slots.length) this.lastBoxes = new Float64Array(4 * scene.slots.length);
     if (this.camera.space >= scene.spaces.length) this.camera.space = 0;
@@ -134,26 +134,19 @@ export class Stage {
     const scene = game.scene!;
     this.aim(seconds);
     const space = scene.spaces[camera.space]!;
-    const colors = this.colors!;
-    const { backdrop } = colors;
+    const { backdrop } = this.colors!;
     const { width, height } = this.canvas;
     const [left, bottom, right, top] = space.extent;
     const [x1, y1] = [Math.round(camera.toX(left)), Math.round(camera.toY(top))];
     const [x2, y2] = [Math.round(camera.toX(right)), Math.round(camera.toY(bottom))];
+    // Around the room; all of it is drawn over.
     context.fillStyle = backdrop.outside;
-    context.fillRect(0, 0, width, height);
-    const sky = context.createLinearGradient(0, y1, 0, y2);
-    sky.addColorStop(0, backdrop.sky[0]);
-    sky.addColorStop(1, backdrop.sky[1]);
-    context.fillStyle = sky;
-    context.fillRect(x1, y1, x2 - x1, y2 - y1);
+    if (y1 > 0) context.fillRect(0, 0, width, y1);
+    if (y2 < height) context.fillRect(0, y2, width, height - y2);
+    if (x1 > 0) context.fillRect(0, 0, x1, height);
+    if (x2 < width) context.fillRect(x2, 0, width - x2, height);
+    this.layers[camera.space]?.draw(context, x1, y1, camera.scale, width, height);
     if (this.shows.grid) this.drawGrid(space);
-    const layer = this.layers[camera.space];
-    if (layer && space.map) {
-      const top = camera.toY(space.map.rows * space.map.tile[1]);
-      layer.draw(context, camera.toX(0), top, camera.scale, width, height);
-    }
-    drawSolids(context, space, colors, (x) => camera.toX(x), (y) => camera.toY(y), camera.scale);
     this.drawLinks(space);
     for (const underlay of this.underlays) underlay(context, camera, camera.space);
     this.drawBodies();

@@ -1,4 +1,5 @@
-// The tiles of a space, drawn into pieces of canvas that are kept: a wall is one shape with rounded corners and a lit edge.
+// What does not move in a space, drawn into pieces of canvas that are kept: a wall is one shape with rounded corners and
+// a lit edge.
 
 import type { MapInfo, SpaceInfo, TileInfo } from "../protocol.ts";
 import { type Colors, isAir, type Kind } from "./colors.ts";
@@ -16,26 +17,29 @@ interface Piece {
 /** What of a context is needed to draw into it. */
 export type Context = CanvasRenderingContext2D;
 
-/** Draws the tiles of one space. */
-export class TileLayer {
+/** Draws what does not move in a space: the sky, tiles, free-standing rectangles. */
+export class Scenery {
   private readonly pieces = new Map<number, Piece>();
   private scale = 0;
   private clock = 0;
+  private readonly map: MapInfo;
   /** The kinds of the cells as they look; null for air. */
   private readonly kinds: (Kind | null)[];
   private readonly isBroken: Uint8Array;
   private broken: number[] = [];
 
   constructor(
-    private readonly map: MapInfo,
-    colors: Colors,
+    private readonly space: SpaceInfo,
+    private readonly colors: Colors,
   ) {
-    const counts = map.kinds.map(() => 0);
-    for (const cell of map.cells) if (cell >= 0) counts[cell] = counts[cell]! + 1;
+    this.map = space.map ?? { cells: [], columns: 0, is_painted: false, kinds: [], rows: 0, tile: [16, 16] };
+    const { cells, kinds } = this.map;
+    const counts = kinds.map(() => 0);
+    for (const cell of cells) if (cell >= 0) counts[cell] = counts[cell]! + 1;
     const look = (kind: TileInfo, at: number): Kind | null =>
-      isAir(kind, counts[at]!, map.cells.length) ? null : colors.kind(kind.tags, kind.role);
-    this.kinds = map.kinds.map(look);
-    this.isBroken = new Uint8Array(map.cells.length);
+      isAir(kind, counts[at]!, cells.length) ? null : colors.kind(kind.tags, kind.role);
+    this.kinds = kinds.map(look);
+    this.isBroken = new Uint8Array(cells.length);
   }
 
   /** Sets which cells are broken; pieces around changed ones are drawn again. */
@@ -52,43 +56,57 @@ export class TileLayer {
   private forget(cell: number): void {
     const [columns, width, height] = [this.map.columns, this.map.tile[0] * this.scale, this.map.tile[1] * this.scale];
     const [column, row] = [cell % columns, Math.floor(cell / columns)];
+    const [left, top] = this.origin();
     for (const dx of [-1, 2]) {
       for (const dy of [-1, 2]) {
-        const x = Math.floor(((column + dx) * width) / PIECE);
-        const y = Math.floor(((row + dy) * height) / PIECE);
+        const x = Math.floor((left + (column + dx) * width) / PIECE);
+        const y = Math.floor((top + (row + dy) * height) / PIECE);
         this.pieces.delete(y * 4096 + x);
       }
     }
   }
 
-  /** Draws what is in view. (x, y) is where the upper left corner of the map is in the view. */
+  /** The upper left corner of the map in the picture of the space, pixels. */
+  private origin(): [number, number] {
+    const [left, , , top] = this.space.extent;
+    const { rows, tile } = this.map;
+    return [Math.round(-left * this.scale), Math.round((top - rows * tile[1]) * this.scale)];
+  }
+
+  /** Draws what is in view. (x, y) is where the upper left corner of the space is in the view. */
   draw(context: Context, x: number, y: number, scale: number, width: number, height: number): void {
     if (scale !== this.scale) {
       this.pieces.clear();
       this.scale = scale;
     }
     this.clock++;
-    const [across, down] = [this.map.columns * this.map.tile[0] * scale, this.map.rows * this.map.tile[1] * scale];
+    const [left, bottom, right, top] = this.space.extent;
+    const [across, down] = [Math.ceil((right - left) * scale), Math.ceil((top - bottom) * scale)];
     const fromX = Math.max(0, Math.floor(-x / PIECE));
     const fromY = Math.max(0, Math.floor(-y / PIECE));
     const toX = Math.min(Math.ceil(across / PIECE), Math.ceil((width - x) / PIECE));
     const toY = Math.min(Math.ceil(down / PIECE), Math.ceil((height - y) / PIECE));
     for (let row = fromY; row < toY; row++) {
       for (let column = fromX; column < toX; column++) {
-        context.drawImage(this.piece(column, row), Math.round(x) + column * PIECE, Math.round(y) + row * PIECE);
+        // Of the last pieces, only what belongs to the space.
+        const w = Math.min(PIECE, across - column * PIECE);
+        const h = Math.min(PIECE, down - row * PIECE);
+        const [atX, atY] = [x + column * PIECE, y + row * PIECE];
+        context.drawImage(this.piece(column, row, down), 0, 0, w, h, atX, atY, w, h);
       }
     }
   }
 
-  private piece(column: number, row: number): HTMLCanvasElement {
+  private piece(column: number, row: number, down: number): HTMLCanvasElement {
     const key = row * 4096 + column;
     let piece = this.pieces.get(key);
     if (!piece) {
       piece = { canvas: document.createElement("canvas"), used: 0 };
       piece.canvas.width = PIECE;
       piece.canvas.height = PIECE;
-      const context = piece.canvas.getContext("2d");
-      if (context) this.drawPiece(context, column * PIECE, row * PIECE);
+      // Without transparency, it is copied faster.
+      const context = piece.canvas.getContext("2d", { alpha: false });
+      if (context) this.drawPiece(context, column * PIECE, row * PIECE, down);
       if (this.pieces.size >= MAX_PIECES) this.dropOldest();
       this.pieces.set(key, piece);
     }
@@ -103,20 +121,32 @@ export class TileLayer {
     this.pieces.delete(oldest);
   }
 
-  private drawPiece(context: Context, left: number, top: number): void {
-    const { map, scale } = this;
+  private drawPiece(context: Context, left: number, top: number, down: number): void {
+    const { map, scale, space } = this;
+    const [sky, haze] = this.colors.backdrop.sky;
+    const shade = context.createLinearGradient(0, -top, 0, down - top);
+    shade.addColorStop(0, sky);
+    shade.addColorStop(1, haze);
+    context.fillStyle = shade;
+    context.fillRect(0, 0, PIECE, PIECE);
     const [width, height] = [map.tile[0] * scale, map.tile[1] * scale];
-    context.translate(-left, -top);
-    const fromColumn = Math.max(0, Math.floor(left / width) - 1);
-    const toColumn = Math.min(map.columns - 1, Math.ceil((left + PIECE) / width));
-    const fromRow = Math.max(0, Math.floor(top / height) - 1);
-    const toRow = Math.min(map.rows - 1, Math.ceil((top + PIECE) / height));
+    const [mapX, mapY] = this.origin();
+    context.save();
+    context.translate(mapX - left, mapY - top);
+    const fromColumn = Math.max(0, Math.floor((left - mapX) / width) - 1);
+    const toColumn = Math.min(map.columns - 1, Math.ceil((left - mapX + PIECE) / width));
+    const fromRow = Math.max(0, Math.floor((top - mapY) / height) - 1);
+    const toRow = Math.min(map.rows - 1, Math.ceil((top - mapY + PIECE) / height));
     for (let row = fromRow; row <= toRow; row++) {
       for (let column = fromColumn; column <= toColumn; column++) {
         const kind = this.at(column, row);
         if (kind) this.drawCell(context, kind, column, row);
       }
     }
+    context.restore();
+    const toX = (x: number): number => (x - space.extent[0]) * scale - left;
+    const toY = (y: number): number => (space.extent[3] - y) * scale - top;
+    drawSolids(context, space, this.colors, toX, toY, scale);
   }
 
   /** How a cell looks; null for air, and for what is broken. */
@@ -279,19 +309,20 @@ function drawSlope(
   context.lineTo(rightX, y + h);
   context.closePath();
   context.fill();
-  context.save();
-  context.clip();
-  context.strokeStyle = kind.paint.light;
-  context.lineWidth = Math.max(2, Math.round(Math.min(w, h) * 0.28));
+  // The lit edge is as high as that of level ground.
+  const edge = Math.max(1, Math.round(Math.min(w, h) * 0.14));
+  context.fillStyle = kind.paint.light;
   context.beginPath();
   context.moveTo(leftX, leftY);
   context.lineTo(rightX, rightY);
-  context.stroke();
-  context.restore();
+  context.lineTo(rightX, Math.min(y + h, rightY + edge));
+  context.lineTo(leftX, Math.min(y + h, leftY + edge));
+  context.closePath();
+  context.fill();
 }
 
 /** Draws the free-standing rectangles of a space. */
-export function drawSolids(
+function drawSolids(
   context: Context,
   space: SpaceInfo,
   colors: Colors,

@@ -113,6 +113,18 @@ export class Inputs {
     return held;
   }
 
+  private wasHeld = false;
+
+  /** Tells when something begins to be held on a gamepad, as a key does. */
+  watchGamepads(): void {
+    const held = (this.scene?.players ?? []).map((player) => ({ buttons: [] as number[], axes: player.axes.map(() => 0) }));
+    this.addGamepads(held);
+    const player = held.findIndex((of) => of.buttons.length > 0 || of.axes.some((value) => value !== 0));
+    const action = this.actions.find((of) => of.player === player);
+    if (action && !this.wasHeld) this.onPress.emit(action);
+    this.wasHeld = player >= 0;
+  }
+
   /** Adds the gamepads: the first to the first player, and so on. Sticks and crosses are axes or directions. */
   private addGamepads(held: { buttons: number[]; axes: number[] }[]): void {
     if (typeof navigator.getGamepads !== "function") return;

@@ -44,7 +44,7 @@ export function thumbnail(scene: Scene, frame: Frame, theme: Theme): string {
     for (const { collider, box } of shown) {
       const info = entity?.colliders[collider];
       const style = info?.is_solid === false
-        ? `fill="${paint.fill}" fill-opacity=".3" stroke="${paint.fill}"`
+        ? `fill="${paint.fill}" fill-opacity=".5" stroke="${paint.fill}"`
         : `fill="${paint.fill}" stroke="${paint.dark}" stroke-width="1.5"`;
       const [cx, cy] = [x((box.left + box.right) / 2), y((box.bottom + box.top) / 2)];
       if (info?.is_round === true) {

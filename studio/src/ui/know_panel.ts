@@ -115,7 +115,7 @@ export class KnowPanel implements Panel {
     this.modes.replaceChildren(...inner.map((path) => h("li", { class: "chip mode" }, path)));
     this.renderValues(of.values);
     this.contacts.replaceChildren(
-      ...(of.contacts.length > 0 ? of.contacts.map((text) => h("li", { class: "chip" }, text)) : [h("li", { class: "quiet" }, "nothing")]),
+      ...(of.contacts.length > 0 ? of.contacts.map(({ text, side }) => h("li", { class: "chip" }, side && !text.includes(side) ? `${text} (${side})` : text)) : [h("li", { class: "quiet" }, "nothing")]),
     );
     this.renderEdges(of.edges, entity.modes);
   }

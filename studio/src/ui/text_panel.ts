@@ -52,7 +52,10 @@ export class TextPanel implements Panel {
   private isShown = false;
   private isFilling = false;
   private timer = 0;
-  private unsaved: string[] = [];
+  /** The files whose texts differ from the disk. */
+  unsaved: string[] = [];
+  /** When a file was last saved from here, ms. */
+  savedAt = 0;
   private hadUnsaved = false;
 
   constructor(
@@ -231,6 +234,7 @@ export class TextPanel implements Panel {
         continue;
       }
       const why = await carrier.save(path, text);
+      this.savedAt = Date.now();
       if (why) return this.toasts.show(why, "bad");
       // From now on, the file is read again.
       await this.game.change({ ask: "edit", path, text: null });
@@ -252,10 +256,6 @@ export class TextPanel implements Panel {
     this.timer = 0;
     for (const path of this.unsaved) await this.game.change({ ask: "edit", path, text: null });
     await this.fill();
-  }
-
-  get hasUnsaved(): boolean {
-    return this.unsaved.length > 0;
   }
 
   /** Shows a place of the text. */

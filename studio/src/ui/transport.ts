@@ -3,6 +3,8 @@
 import type { Game } from "../game.ts";
 import { h, icon, iconButton } from "./dom.ts";
 
+/** Time between two changes of the timeline in live play, ms. */
+const PAUSE = 70;
 const SPEEDS = [0.25, 0.5, 1, 2];
 const SPEED_NAMES: Record<number, string> = { 0.25: "¼×", 0.5: "½×", 1: "1×", 2: "2×" };
 
@@ -16,6 +18,7 @@ export class Transport {
   private readonly time: HTMLElement;
   private loopStart: number | null = null;
   private drawn = "";
+  private last = 0;
 
   constructor(private readonly game: Game) {
     this.play = iconButton("play", "Play", () => game.toggle(), "P");
@@ -63,7 +66,10 @@ export class Transport {
       this.time,
       speed,
     );
-    game.onShown.on(() => this.update());
+    game.onShown.on(() => {
+      // While time passes, fewer changes of the page leave more time for the game.
+      if (game.mode !== "live" || performance.now() - this.last > PAUSE) this.update();
+    });
     game.onMode.on(() => this.update());
     game.onOpened.on(() => this.update());
     new ResizeObserver(() => this.update()).observe(this.marks);
@@ -86,6 +92,7 @@ export class Transport {
 
   private update(): void {
     const { game } = this;
+    this.last = performance.now();
     const at = game.frame?.at ?? 0;
     const isRunning = game.mode !== "paused";
     if (this.play.getAttribute("aria-label") !== (isRunning ? "Pause" : "Play")) {

@@ -9,6 +9,10 @@ export interface Project {
   map?: string | null;
   legend?: string | null;
   tile?: [number, number] | null;
+  /** The world that is opened; the first one if there is none. */
+  world?: string | null;
+  /** Inputs that are loaded first. */
+  script?: string | null;
 }
 
 /** What the page sends to a worker. */

@@ -16,7 +16,8 @@ export async function startInBrowser(
   options: Omit<StudioOptions, "carrier"> = {},
 ): Promise<Studio> {
   const carrier = new WorkerCarrier(parts, project);
-  const studio = await startStudio({ ...options, carrier });
+  const { world = null, script = null } = project;
+  const studio = await startStudio({ world, script, ...options, carrier });
   carrier.onTrap = (why, reopened) => {
     const first = why.split("\n")[0] ?? "";
     const then = reopened ? "It goes on from before the last request." : "The program was opened again.";

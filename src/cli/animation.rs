@@ -1,5 +1,5 @@
-//! `hypedc sim --gif`: the run as an animation. The run is simulated twice, first to count the colours, then to paint: so
-//! one table of colours serves all pictures, and no picture is kept. A picture holds only the rectangle that has changed.
+//! `hypedc sim --gif`: the run as an animation. The run is simulated three times: to see where the players go, to count the
+//! colours, and to paint. So one table of colours serves all pictures, and no picture is kept. A picture holds only the rectangle that has changed.
 
 use std::borrow::Cow;
 use std::fs;
@@ -10,7 +10,7 @@ use std::path::Path;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
 use crate::sim::{Script, Simulator};
-use crate::view::{Canvas, Colors, Film, FilmOptions, Images};
+use crate::view::{Canvas, Colors, Film, FilmOptions, Images, PlayerArea};
 use crate::watch::Watch;
 
 use super::args::GifArgs;
@@ -59,7 +59,12 @@ pub(super) fn save(
     watch: &dyn Watch,
 ) -> Result<(), NoAnimation> {
     let options = FilmOptions { scale: args.scale, size: args.size, is_dark: args.dark };
-    let mut film = Film::new(sim, options, images);
+    let mut players = PlayerArea::new(sim);
+    each(sim, (script, chance), frames, watch, &mut |_, state| {
+        players.observe(sim, state);
+        ControlFlow::Continue(())
+    })?;
+    let mut film = Film::new(sim, options, images, &players);
     let step = 100.0 * sim.world().step.seconds();
     let every = args.every.unwrap_or_else(|| libm::ceil(SHORTEST / step - 1e-9).max(1.0) as u64).max(1);
     let mut steps = 0;

@@ -52,10 +52,11 @@ impl PlayerArea {
             let instance = sim.instance(state, player.slot);
             let (x, y) = instance.position();
             let [x, y] = drawn(sim.world(), instance.space(), [x, y]);
-            if let Some(area) = self.0.get_mut(instance.space().0 as usize).filter(|_| instance.is_alive()) {
-                let here = Bounds::new([x, y, 0.0, 0.0]);
-                *area = Some(area.map_or(here, |area| area.join(here)));
-            }
+            let Some(area) = self.0.get_mut(instance.space().0 as usize).filter(|_| instance.is_alive()) else {
+                continue;
+            };
+            let body = instance.colliders().map(|(_, bounds)| moved(bounds, [x, y]));
+            *area = body.chain([Bounds::new([x, y, 0.0, 0.0])]).chain(*area).reduce(Bounds::join);
         }
     }
 }
@@ -92,11 +93,9 @@ impl<'s> Film<'s> {
         let body = hero.map(|hero| Body::new(program, world, hero)).unwrap_or_default();
         let goals: Vec<Goal> = world.goals.iter().map(|goal| Goal::new(program, world, goal, body.middle())).collect();
         let wanted = goals.iter().map(|goal| goal.tags).fold(TagSet::default(), TagSet::with);
-        let size = body.bounds().map_or(0.0, |b| (b.right - b.left).max(b.top - b.bottom));
         let visits =
             |id: SpaceId| Visits { path: players.0.get(id.0 as usize).copied().flatten(), ..Visits::default() };
-        let extents: Vec<Bounds> =
-            world.spaces.ids().map(|id| content(program, world, id, &visits(id), 2.0 * size)).collect();
+        let extents: Vec<Bounds> = world.spaces.ids().map(|id| content(program, world, id, &visits(id), 0.0)).collect();
         let largest = |side: fn(&Bounds) -> f64| extents.iter().map(side).fold(1.0, f64::max);
         let (width, height) = (largest(|b| b.right - b.left), largest(|b| b.top - b.bottom));
         let most = options.size.map_or(TARGET, |(width, height)| (f64::from(width), f64::from(height)));

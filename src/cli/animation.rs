@@ -71,14 +71,14 @@ pub(super) fn save(
     let mut colors = Colors::default();
     each(sim, (script, chance), frames, watch, &mut |step, state| {
         steps = step;
-        if step % every == 0 {
+        if step.is_multiple_of(every) {
             colors.count(film.paint(state));
         }
         ControlFlow::Continue(())
     })?;
     let last = steps;
     // The last state is shown even if it falls between two pictures.
-    let is_shown = |step: u64| step % every == 0 || step == last;
+    let is_shown = |step: u64| step.is_multiple_of(every) || step == last;
     let table = colors.table();
     film.restart();
     let (width, height) = film.size();
@@ -160,10 +160,14 @@ impl Pictures {
         let [left, top, right, bottom] = changed(&self.before, &indices, self.size);
         let mut buffer = Vec::with_capacity((right - left) * (bottom - top));
         for row in top..bottom {
-            for at in row * width + left..row * width + right {
-                let same = self.before.get(at) == Some(&indices[at]);
-                buffer.push(if same { UNCHANGED } else { indices[at] });
-            }
+            let (from, to) = (row * width + left, row * width + right);
+            let before = self.before.get(from..to).unwrap_or_default();
+            buffer.extend(
+                indices[from..to]
+                    .iter()
+                    .enumerate()
+                    .map(|(at, index)| if before.get(at) == Some(index) { UNCHANGED } else { *index }),
+            );
         }
         let side = |side: usize| u16::try_from(side).unwrap_or(u16::MAX);
         let frame = Frame {

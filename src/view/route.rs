@@ -207,6 +207,9 @@ fn around(world: &World, frame: &Frame, space: SpaceId, from: [f64; 2], to: [f64
     seen.map(|part| part.map(|end| frame.point(end)).to_vec()).collect()
 }
 
+/// A shape in the picture: boxes, and circles by centre and radius.
+type Ghost = (Vec<Rect>, Vec<([f64; 2], f64)>);
+
 /// Draws the shapes of an instance on its way, at most so many; of several at nearly the same place the first. `apart` is
 /// the distance of two shapes, in sizes of the instance.
 pub(super) fn ghosts(
@@ -217,7 +220,7 @@ pub(super) fn ghosts(
     poses: &[Pose],
     (apart, most): (f64, usize),
 ) {
-    let mut shown: Vec<(Vec<Rect>, Vec<([f64; 2], f64)>)> = Vec::new();
+    let mut shown: Vec<Ghost> = Vec::new();
     let mut taken: Vec<([f64; 2], f64)> = Vec::new();
     for pose in poses.iter().filter(|pose| pose.space == space) {
         let parts = outline(world, &pose.parts);

@@ -7,7 +7,7 @@
   const contextual =
     "int bool always initial by fixed directions attack decay sustain for release while instant accel " +
     "over hold to follow links step collide with block sense from above keep velocity carry bounce tiles " +
-    "space player condition chance signal send goal never limit map place at link rect bounds wrap legend vglc " +
+    "space player condition chance signal look send goal never limit map place at link rect bounds wrap legend vglc " +
     "level tiled ldtk tile slope breakable restore after any all touching nearest within";
   hljs.registerLanguage("hyped", () => ({
     name: "hyped",

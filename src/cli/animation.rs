@@ -1,5 +1,5 @@
-//! `hypedc sim --gif`: the run as an animation. The run is simulated twice, first to count the colours, then to paint: so
-//! one table of colours serves all pictures, and no picture is kept. A picture holds only the rectangle that has changed.
+//! `hypedc sim --gif`: the run as an animation. The run is simulated three times: to see where the players go, to count the
+//! colours, and to paint. So one table of colours serves all pictures, and no picture is kept. A picture holds only the rectangle that has changed.
 
 use std::borrow::Cow;
 use std::fs;
@@ -10,7 +10,7 @@ use std::path::Path;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
 use crate::sim::{Script, Simulator};
-use crate::view::{Canvas, Colors, Film, FilmOptions, Images};
+use crate::view::{Canvas, Colors, Film, FilmOptions, Images, PlayerArea};
 use crate::watch::Watch;
 
 use super::args::GifArgs;
@@ -59,21 +59,26 @@ pub(super) fn save(
     watch: &dyn Watch,
 ) -> Result<(), NoAnimation> {
     let options = FilmOptions { scale: args.scale, size: args.size, is_dark: args.dark };
-    let mut film = Film::new(sim, options, images);
+    let mut players = PlayerArea::new(sim);
+    each(sim, (script, chance), frames, watch, &mut |_, state| {
+        players.observe(sim, state);
+        ControlFlow::Continue(())
+    })?;
+    let mut film = Film::new(sim, options, images, &players);
     let step = 100.0 * sim.world().step.seconds();
     let every = args.every.unwrap_or_else(|| libm::ceil(SHORTEST / step - 1e-9).max(1.0) as u64).max(1);
     let mut steps = 0;
     let mut colors = Colors::default();
     each(sim, (script, chance), frames, watch, &mut |step, state| {
         steps = step;
-        if step % every == 0 {
+        if step.is_multiple_of(every) {
             colors.count(film.paint(state));
         }
         ControlFlow::Continue(())
     })?;
     let last = steps;
     // The last state is shown even if it falls between two pictures.
-    let is_shown = |step: u64| step % every == 0 || step == last;
+    let is_shown = |step: u64| step.is_multiple_of(every) || step == last;
     let table = colors.table();
     film.restart();
     let (width, height) = film.size();
@@ -155,10 +160,14 @@ impl Pictures {
         let [left, top, right, bottom] = changed(&self.before, &indices, self.size);
         let mut buffer = Vec::with_capacity((right - left) * (bottom - top));
         for row in top..bottom {
-            for at in row * width + left..row * width + right {
-                let same = self.before.get(at) == Some(&indices[at]);
-                buffer.push(if same { UNCHANGED } else { indices[at] });
-            }
+            let (from, to) = (row * width + left, row * width + right);
+            let before = self.before.get(from..to).unwrap_or_default();
+            buffer.extend(
+                indices[from..to]
+                    .iter()
+                    .enumerate()
+                    .map(|(at, index)| if before.get(at) == Some(index) { UNCHANGED } else { *index }),
+            );
         }
         let side = |side: usize| u16::try_from(side).unwrap_or(u16::MAX);
         let frame = Frame {

@@ -44,8 +44,15 @@ impl Visits {
     }
 }
 
-/// The visible part of a space; `body` is the size of the player.
+/// The visible part of a space with a margin; `body` is the size of the player.
 pub(super) fn extent(program: &Program, world: &World, id: SpaceId, visits: &Visits, body: f64) -> Bounds {
+    let view = content(program, world, id, visits, body);
+    let is_map = world.spaces[id].map_rectangle() == Some(view);
+    at_least(grown(view, if is_map { 0.0 } else { (0.02 * longer(view)).max(body / 4.0) }), SIDE)
+}
+
+/// The part of a space with something to see; `body` is the size of the player.
+pub(super) fn content(program: &Program, world: &World, id: SpaceId, visits: &Visits, body: f64) -> Bounds {
     let space = &world.spaces[id];
     let map = space.map_rectangle();
     let solids = space.solids.iter().map(|solid| solid.bounds).chain(space.links.iter().map(|link| link.from));
@@ -59,10 +66,11 @@ pub(super) fn extent(program: &Program, world: &World, id: SpaceId, visits: &Vis
     });
     let things = things.filter(|b| is_proper(*b)).reduce(Bounds::join);
     let parts = [visits.visited.map(|b| (b, 0.5)), visits.path.map(|b| (b, 1.0)), things.map(|b| (b, 1.0))];
-    let view = match level {
+    match level {
         // Activity outside of the level is shown only while the level dominates the picture.
         Some(level) => parts.into_iter().flatten().fold(level, |view, (part, share)| {
-            let room = share * shorter(level);
+            // Without a map, a level may be no more than a floor.
+            let room = share * if map.is_some() { shorter(level) } else { longer(level) };
             let inside = shared(grown(part, body / 2.0), grown(level, room));
             if is_proper(inside) { view.join(inside) } else { view }
         }),
@@ -76,10 +84,12 @@ pub(super) fn extent(program: &Program, world: &World, id: SpaceId, visits: &Vis
                 (content, bounds) => content.or(bounds).unwrap_or(Bounds::new([0.0; 4])),
             }
         }
-    };
-    let margin = if map == Some(view) { 0.0 } else { (0.02 * longer(view)).max(body / 4.0) };
-    let view = grown(view, margin);
-    let missing = |low: f64, high: f64| ((SIDE - (high - low)) / 2.0).max(0.0);
+    }
+}
+
+/// A rectangle with sides of a minimum length.
+fn at_least(view: Bounds, side: f64) -> Bounds {
+    let missing = |low: f64, high: f64| ((side - (high - low)) / 2.0).max(0.0);
     let (x, y) = (missing(view.left, view.right), missing(view.bottom, view.top));
     Bounds { left: view.left - x, right: view.right + x, bottom: view.bottom - y, top: view.top + y }
 }

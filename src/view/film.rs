@@ -9,7 +9,7 @@ use crate::sim::{Instance, Simulator};
 use super::appearance::{Appearance, Appearances, Role, for_players};
 use super::body::{Body, outline, pushes};
 use super::canvas::{Area, Canvas, Paint};
-use super::extent::{Visits, extent};
+use super::extent::{Visits, content};
 use super::frame::{moved, shared};
 use super::goal::{Form, Goal};
 use super::look::Images;
@@ -34,6 +34,31 @@ pub struct FilmOptions {
     pub size: Option<(u32, u32)>,
     /// With dark colours.
     pub is_dark: bool,
+}
+
+/// Where the players of a run are: an animation shows so much of each space.
+#[derive(Debug, Clone)]
+pub struct PlayerArea(Vec<Option<Bounds>>);
+
+impl PlayerArea {
+    /// Before the first state.
+    pub fn new(sim: &Simulator) -> PlayerArea {
+        PlayerArea(vec![None; sim.world().spaces.len()])
+    }
+
+    /// Adds a state.
+    pub fn observe(&mut self, sim: &Simulator, state: &[u8]) {
+        for player in sim.world().players.iter() {
+            let instance = sim.instance(state, player.slot);
+            let (x, y) = instance.position();
+            let [x, y] = drawn(sim.world(), instance.space(), [x, y]);
+            let Some(area) = self.0.get_mut(instance.space().0 as usize).filter(|_| instance.is_alive()) else {
+                continue;
+            };
+            let body = instance.colliders().map(|(_, bounds)| moved(bounds, [x, y]));
+            *area = body.chain([Bounds::new([x, y, 0.0, 0.0])]).chain(*area).reduce(Bounds::join);
+        }
+    }
 }
 
 /// Paints states of a world.
@@ -62,15 +87,15 @@ struct Camera {
 
 impl<'s> Film<'s> {
     /// For a world. The size of its pictures never changes.
-    pub fn new(sim: &'s Simulator, options: FilmOptions, images: &'s Images) -> Film<'s> {
+    pub fn new(sim: &'s Simulator, options: FilmOptions, images: &'s Images, players: &PlayerArea) -> Film<'s> {
         let (program, world): (&Program, &World) = (sim.program(), sim.world());
         let hero = world.players.get(PlayerId(0)).map(|player| player.slot);
         let body = hero.map(|hero| Body::new(program, world, hero)).unwrap_or_default();
         let goals: Vec<Goal> = world.goals.iter().map(|goal| Goal::new(program, world, goal, body.middle())).collect();
         let wanted = goals.iter().map(|goal| goal.tags).fold(TagSet::default(), TagSet::with);
-        let size = body.bounds().map_or(0.0, |b| (b.right - b.left).max(b.top - b.bottom));
-        let extents: Vec<Bounds> =
-            world.spaces.ids().map(|id| extent(program, world, id, &Visits::default(), size)).collect();
+        let visits =
+            |id: SpaceId| Visits { path: players.0.get(id.0 as usize).copied().flatten(), ..Visits::default() };
+        let extents: Vec<Bounds> = world.spaces.ids().map(|id| content(program, world, id, &visits(id), 0.0)).collect();
         let largest = |side: fn(&Bounds) -> f64| extents.iter().map(side).fold(1.0, f64::max);
         let (width, height) = (largest(|b| b.right - b.left), largest(|b| b.top - b.bottom));
         let most = options.size.map_or(TARGET, |(width, height)| (f64::from(width), f64::from(height)));

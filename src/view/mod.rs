@@ -37,7 +37,7 @@ mod trail;
 mod tree;
 
 pub use canvas::{Canvas, Image, Paint};
-pub use film::{Film, FilmOptions};
+pub use film::{Film, FilmOptions, PlayerArea};
 pub use look::Images;
 pub use palette::{ColorTable, Colors};
 pub use picture::{Node, Picture, picture_svg};

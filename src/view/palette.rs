@@ -44,7 +44,7 @@ impl Scheme {
             block: pick(0x6e_78_85, 0x7a_84_91),
             asked: pick(0x2d_a4_4e, 0x3f_b9_50),
             goal: pick(0x1a_7f_37, 0x3f_b9_50),
-            reached: pick(0x2d_a4_4e, 0x56_d3_64),
+            reached: pick(0x2d_a4_4e, 0x56_d364),
             crack: Paint { opacity: 0.35, ..pick(0xff_ff_ff, 0x00_00_00) },
             link: (
                 Paint { opacity: 0.16, ..pick(0x82_50_df, 0xab_7d_f8) },

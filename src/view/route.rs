@@ -3,13 +3,13 @@
 
 use std::ops::Range;
 
-use crate::ir::{SpaceId, World};
+use crate::ir::{Bounds, SpaceId, World};
 
 use super::body::outline;
 use super::frame::{Frame, Rect, moved};
 use super::label::Labels;
 use super::svg::{Number, box_data, line_data, path, put};
-use super::track::{Pose, Stop, Track};
+use super::track::{Part, Pose, Stop, Track};
 
 /// Maximum number of points of the line in one panel.
 const MAX_POINTS: usize = 8_000;
@@ -207,6 +207,9 @@ fn around(world: &World, frame: &Frame, space: SpaceId, from: [f64; 2], to: [f64
     seen.map(|part| part.map(|end| frame.point(end)).to_vec()).collect()
 }
 
+/// A shape in the picture: boxes, and circles by centre and radius.
+type Ghost = (Vec<Rect>, Vec<([f64; 2], f64)>);
+
 /// Draws the shapes of an instance on its way, at most so many; of several at nearly the same place the first. `apart` is
 /// the distance of two shapes, in sizes of the instance.
 pub(super) fn ghosts(
@@ -217,19 +220,20 @@ pub(super) fn ghosts(
     poses: &[Pose],
     (apart, most): (f64, usize),
 ) {
-    let mut shown: Vec<(Vec<Rect>, Vec<([f64; 2], f64)>)> = Vec::new();
+    let mut shown: Vec<Ghost> = Vec::new();
     let mut taken: Vec<([f64; 2], f64)> = Vec::new();
     for pose in poses.iter().filter(|pose| pose.space == space) {
         let parts = outline(world, &pose.parts);
         let at = drawn(world, space, pose.at);
-        let sides =
-            parts.iter().map(|part| [part.bounds.right - part.bounds.left, part.bounds.top - part.bounds.bottom]);
-        let sides: Vec<[f64; 2]> = sides.collect();
-        let size = sides.iter().flatten().copied().fold(4.0 / frame.scale, f64::max);
+        let sides = |part: &Part| [part.bounds.right - part.bounds.left, part.bounds.top - part.bounds.bottom];
         // Another shape at the same place is shown as well.
-        let shape =
-            sides.iter().fold(sides.len() as f64, |sum, [width, height]| sum + width.round() + 7.0 * height.round());
-        if taken.iter().any(|(other, of)| *of == shape && distance(*other, at) < apart * size) {
+        let sum = |sum: f64, [width, height]: [f64; 2]| sum + width.round() + 7.0 * height.round();
+        let shape = parts.iter().map(sides).fold(parts.len() as f64, sum);
+        let whole = parts.iter().map(|part| part.bounds).reduce(Bounds::join);
+        let size = whole.map_or([0.0; 2], |b| [b.right - b.left, b.top - b.bottom]);
+        let gap = size.map(|side| apart * side.max(4.0 / frame.scale));
+        let is_near = |other: [f64; 2]| (0..2).all(|axis| (other[axis] - at[axis]).abs() < gap[axis]);
+        if taken.iter().any(|(other, of)| *of == shape && is_near(*other)) {
             continue;
         }
         taken.push((at, shape));

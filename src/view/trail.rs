@@ -15,7 +15,7 @@ const MAX_TRACKS: usize = 300;
 /// Maximum number of shapes of one way in one panel.
 const MAX_SHAPES: usize = 24;
 /// Distance of two shapes, in sizes of the instance.
-const APART: f64 = 1.6;
+const APART: f64 = 0.95;
 /// What has moved less has not moved, px.
 const STILL: f64 = 1.0;
 

@@ -70,8 +70,7 @@ fn what_an_import_has_is_told_with_its_path() {
 
 #[test]
 fn the_analysis_of_values_adds_its_findings_and_ranges() {
-    let text = "entity A {\n    initial mode still {\n        y' = 0\n        when x > 5 -> gone\n    }\n    mode gone {\n    }\n}\n\
-        world W {\n    space main {\n        place a: A at (0, 0)\n    }\n    player 1: a\n}\n";
+    let text = include_str!("slime.hyped");
     let mut service = service(&[]);
     let before = document(&mut service, text);
     let after = findings(service.answer(Request::Analyze { path: PATH.into() }));

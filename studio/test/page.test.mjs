@@ -286,6 +286,21 @@ test("what is reached from here is a path that is played", async (t) => {
   assert.deepEqual(errors, []);
 });
 
+test("a search draws where it is, and is stopped", async (t) => {
+  const { page } = await playing(t, ["examples/metroidvania.hyped"]);
+  await page.getByRole("tab", { name: "Ask" }).click();
+  await page.getByRole("radio", { name: "goal relic" }).check();
+  await page.getByLabel("Nodes").selectOption("500000");
+  await page.getByRole("button", { name: "Reach from here" }).click();
+  const nodes = "Number(document.querySelector('#panel-ask [role=status]').textContent.split(' ')[0].replaceAll(',', ''))";
+  await until(page, `${nodes} > 1000`, 60_000);
+  const drawn = await page.evaluate(nodes);
+  await page.getByRole("button", { name: "Stop" }).click();
+  await page.locator(".verdict").waitFor({ timeout: 10_000 });
+  assert.match(await page.locator("#panel-ask .result").textContent(), /stopped/);
+  assert.ok((await page.evaluate(nodes)) < 500_000, `stopped after ${drawn} nodes`);
+});
+
 test("what is known of an instance is what is there", async (t) => {
   const { page } = await playing(t, ["examples/balloon.hyped"]);
   await page.getByRole("tab", { name: "Know" }).click();
@@ -301,6 +316,11 @@ test("what is known of an instance is what is there", async (t) => {
   await page.locator("td.can-be").first().waitFor({ timeout: 30_000 });
   const atoms = await page.locator(".atom").allTextContents();
   assert.ok(atoms.some((text) => text.includes("held(heat)")), atoms.join());
+  // A click on an edge of the chart says why it was not taken: here, its mode was not active.
+  await page.locator(".chart circle[data-edge]").nth(1).click();
+  await page.getByText("Its mode was not active before this step").waitFor();
+  await page.getByRole("button", { name: "Show all edges" }).click();
+  await page.locator(".edge").first().waitFor();
 });
 
 test("fingers play on a phone", async (t) => {

@@ -50,7 +50,8 @@ export class Game {
   readonly onTrouble = new Signal<string>();
 
   private owed = 0;
-  private isAsking = false;
+  /** The request to step that is under way. */
+  private asking: Promise<void> | null = null;
   private last = 0;
 
   constructor(readonly carrier: Carrier) {}
@@ -119,7 +120,7 @@ export class Game {
     if (this.mode === "paused" || !this.scene || !this.frame) return;
     this.owed = Math.min(this.owed + passed * this.speed, MAX_STEPS * this.scene.step);
     const steps = Math.floor(this.owed / this.scene.step + 1e-6);
-    if (steps < 1 || this.isAsking) return;
+    if (steps < 1 || this.asking) return;
     if (this.mode === "live") void this.step(steps);
     else void this.again(steps);
   }
@@ -141,9 +142,9 @@ export class Game {
   }
 
   private async passing(steps: number, work: () => Promise<void>): Promise<void> {
-    this.isAsking = true;
-    await this.attempt(work);
-    this.isAsking = false;
+    this.asking = this.attempt(work);
+    await this.asking;
+    this.asking = null;
     this.owed = Math.max(0, this.owed - steps * (this.scene?.step ?? 1));
   }
 
@@ -211,7 +212,7 @@ export class Game {
   /** Shows the latest frame that was asked for; those in between are left out while the session is busy. */
   private async show(frame: number): Promise<void> {
     const isWaiting = this.wanted !== null;
-    this.wanted = Math.max(0, Math.min(this.length, Math.round(frame)));
+    this.wanted = Math.max(0, Math.min(this.length, Math.round(frame) || 0));
     if (isWaiting) return;
     while (this.wanted !== null) {
       const next: number = this.wanted;
@@ -223,9 +224,10 @@ export class Game {
   /** One step ahead or back; at the end, ahead is a new step with what is held. */
   async stepBy(count: number): Promise<void> {
     this.pause();
+    while (this.asking) await this.asking;
     if (!this.frame) return;
     if (count > 0 && this.frame.at >= this.length) {
-      if (!this.isAsking && !this.ended) await this.step(count);
+      if (!this.ended) await this.step(count);
     } else {
       await this.show((this.wanted ?? this.frame.at) + count);
     }

@@ -2,6 +2,8 @@
 
 import "./style.css";
 import { startStudio } from "./app.ts";
+import { help } from "./editor/help.ts";
+import { WebSocketLanguageService } from "./editor/service.ts";
 import { h } from "./ui/dom.ts";
 import { WebSocketCarrier } from "./websocket.ts";
 import { embedded } from "./worker/embedded.ts";
@@ -17,10 +19,13 @@ declare global {
 async function main(): Promise<void> {
   try {
     const own = await embedded();
-    window.studio =
-      own === null
-        ? await startStudio({ carrier: await WebSocketCarrier.open() })
-        : await startInBrowser(own.parts, own.project);
+    if (own !== null) {
+      window.studio = await startInBrowser(own.parts, own.project);
+      return;
+    }
+    const studio = await startStudio({ carrier: await WebSocketCarrier.open() });
+    window.studio = studio;
+    help(studio, await WebSocketLanguageService.open(), studio.game.scene?.path ?? "");
   } catch (error) {
     document.body.append(h("main", { class: "failed", role: "alert" }, error instanceof Error ? error.message : String(error)));
   }

@@ -24,11 +24,7 @@ export class WebSocketCarrier implements Carrier {
 
   /** Connects to the server of this page. */
   static open(): Promise<WebSocketCarrier> {
-    const url = new URL("session", location.href);
-    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-    url.search = location.search;
-    url.hash = "";
-    const socket = new WebSocket(url);
+    const socket = new WebSocket(sessionUrl());
     return new Promise((done, failed) => {
       socket.addEventListener("open", () => done(new WebSocketCarrier(socket)), { once: true });
       socket.addEventListener("error", () => failed(new Error("hypedc does not answer")), { once: true });
@@ -59,4 +55,13 @@ export class WebSocketCarrier implements Carrier {
       this.socket.send(JSON.stringify(request));
     });
   }
+}
+
+/** The address of a session of the server that this page comes from, or of another service. */
+export function sessionUrl(service?: "language"): URL {
+  const url = new URL("session", location.href);
+  url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+  url.search = location.search + (service === undefined ? "" : `&for=${service}`);
+  url.hash = "";
+  return url;
 }

@@ -65,6 +65,7 @@ test("every example loads, moves and says nothing on the console", async (t) => 
   assert.ok(all.length > 25, `${all.length} examples`);
   for (const args of all) {
     const server = await play(...args);
+    t.after(() => server.stop());
     const { page, context, errors } = await open(chromium, server.url);
     await page.keyboard.press("ArrowRight");
     await page.keyboard.press("KeyP");
@@ -131,12 +132,17 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
   execFileSync(hypedc, ["sim", "examples/car.hyped", "--inputs-file", join(folder, "run.inputs"), "--trace", trace], { cwd: root });
   const [, ...lines] = (await readFile(trace, "utf8")).trim().split("\n");
   assert.equal(lines.length, length + 1);
+  const live = frames.size;
+  assert.ok(live > 500, `${live} frames came while it was played`);
+  // The display has left frames out: they are shown now.
+  const missing = lines.map((_, step) => step).filter((step) => !frames.has(step));
+  await page.evaluate(async (missing) => {
+    for (const step of missing) await globalThis.studio.game.seek(step);
+  }, missing);
   let compared = 0;
   for (const line of lines) {
     const { step, instances } = JSON.parse(line);
-    const frame = frames.get(step);
-    if (!frame) continue;
-    const bodies = frame.bodies;
+    const { bodies } = frames.get(step);
     for (let at = 0; at < bodies.length; at += 5 + 5 * bodies[at + 4]) {
       const of = instances[scene.slots[bodies[at]].name];
       assert.equal(of.x[0], bodies[at + 2], `step ${step}`);
@@ -145,7 +151,7 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
     }
   }
   assert.ok(compared >= 2000, `${compared} positions compared`);
-  t.diagnostic(`${length} steps, ${compared} positions`);
+  t.diagnostic(`${length} steps, ${live} frames while it was played, ${compared} positions`);
 });
 
 test("one scrubs back, takes over, and takes that back", async (t) => {
@@ -280,6 +286,21 @@ test("what is reached from here is a path that is played", async (t) => {
   assert.deepEqual(errors, []);
 });
 
+test("a search draws where it is, and is stopped", async (t) => {
+  const { page } = await playing(t, ["examples/metroidvania.hyped"]);
+  await page.getByRole("tab", { name: "Ask" }).click();
+  await page.getByRole("radio", { name: "goal relic" }).check();
+  await page.getByLabel("Nodes").selectOption("500000");
+  await page.getByRole("button", { name: "Reach from here" }).click();
+  const nodes = "Number(document.querySelector('#panel-ask [role=status]').textContent.split(' ')[0].replaceAll(',', ''))";
+  await until(page, `${nodes} > 1000`, 60_000);
+  const drawn = await page.evaluate(nodes);
+  await page.getByRole("button", { name: "Stop" }).click();
+  await page.locator(".verdict").waitFor({ timeout: 10_000 });
+  assert.match(await page.locator("#panel-ask .result").textContent(), /stopped/);
+  assert.ok((await page.evaluate(nodes)) < 500_000, `stopped after ${drawn} nodes`);
+});
+
 test("what is known of an instance is what is there", async (t) => {
   const { page } = await playing(t, ["examples/balloon.hyped"]);
   await page.getByRole("tab", { name: "Know" }).click();
@@ -295,6 +316,11 @@ test("what is known of an instance is what is there", async (t) => {
   await page.locator("td.can-be").first().waitFor({ timeout: 30_000 });
   const atoms = await page.locator(".atom").allTextContents();
   assert.ok(atoms.some((text) => text.includes("held(heat)")), atoms.join());
+  // A click on an edge of the chart says why it was not taken: here, its mode was not active.
+  await page.locator(".chart circle[data-edge]").nth(1).click();
+  await page.getByText("Its mode was not active before this step").waitFor();
+  await page.getByRole("button", { name: "Show all edges" }).click();
+  await page.locator(".edge").first().waitFor();
 });
 
 test("fingers play on a phone", async (t) => {

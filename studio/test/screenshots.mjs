@@ -44,13 +44,14 @@ const PICTURES = {
     "dark",
     DESK,
     async (page) => {
-      await hold(page, ["ArrowRight"], 500);
+      await hold(page, ["ArrowRight"], 900);
       await pause(page);
       await tab(page, "Tune");
       const number = page.getByLabel("Mario.jump_speed, exact");
       await number.fill("240");
       await number.press("Enter");
       await page.waitForTimeout(500);
+      await page.locator(".slider.changed").evaluate((row) => row.scrollIntoView({ block: "center" }));
       await page.locator(".stage canvas").focus();
     },
   ],

@@ -37,7 +37,7 @@ pub(in crate::cli) enum Command {
     Ir(IrArgs),
     /// Runs a world with given inputs.
     Sim(SimArgs),
-    /// Plays a world in the browser: with keys, back and forth in time, with a look at what is going on in it.
+    /// Opens a page in the browser to play, scrub, change and question a world.
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),

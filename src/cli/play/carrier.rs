@@ -15,7 +15,10 @@ use crate::studio::{Answer, Level, Request, Session, Task};
 use super::super::args::PlayArgs;
 use super::super::disk::Disk;
 use super::files::{Seen, save};
+use super::language::Language;
 
+/// The part of an address that asks for the language service.
+const FOR_LANGUAGE: &str = "&for=language";
 /// Maximum size of a request, bytes: a program's text.
 const MAX_REQUEST: usize = 32 << 20;
 
@@ -54,31 +57,28 @@ impl Carrier {
         let header = Header::from_bytes("Sec-WebSocket-Accept", accept).into_iter();
         let response = header.fold(Response::empty(StatusCode(101)), Response::with_header);
         let carrier = Arc::clone(self);
+        let is_for_language = request.url().contains(FOR_LANGUAGE);
         std::thread::spawn(move || {
             let stream = request.upgrade("websocket", response);
             let config =
                 WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
             // A page that is closed is no error.
-            let _ = carrier.serve(WebSocket::from_raw_socket(stream, Role::Server, Some(config)));
+            let socket = WebSocket::from_raw_socket(stream, Role::Server, Some(config));
+            let mut language = Language::new();
+            let _ = match is_for_language {
+                true => exchange(socket, |text| language.answer(text)),
+                false => carrier.serve(socket),
+            };
         });
     }
 
-    fn serve<S: Read + Write>(&self, mut socket: WebSocket<S>) -> Result<(), Error> {
+    fn serve<S: Read + Write>(&self, socket: WebSocket<S>) -> Result<(), Error> {
         let spawn = |task: Task| {
             std::thread::spawn(task);
         };
         let mut session = Session::new(Box::new(Disk), self.root.clone(), self.level.clone(), Box::new(spawn));
         let mut seen = Seen::default();
-        loop {
-            match socket.read()? {
-                Message::Text(text) => {
-                    let answer = self.answer(&mut session, &mut seen, &text);
-                    socket.send(Message::text(answer))?;
-                }
-                Message::Close(_) => return Ok(()),
-                _ => {}
-            }
-        }
+        exchange(socket, |text| self.answer(&mut session, &mut seen, text))
     }
 
     fn answer(&self, session: &mut Session, seen: &mut Seen, text: &str) -> String {
@@ -98,5 +98,16 @@ impl Carrier {
             },
         };
         serde_json::to_string(&answer).unwrap_or_default()
+    }
+}
+
+/// Answers each text with a text until the page closes the connection.
+fn exchange<S: Read + Write>(mut socket: WebSocket<S>, mut answer: impl FnMut(&str) -> String) -> Result<(), Error> {
+    loop {
+        match socket.read()? {
+            Message::Text(text) => socket.send(Message::text(answer(&text)))?,
+            Message::Close(_) => return Ok(()),
+            _ => {}
+        }
     }
 }

@@ -5,6 +5,7 @@ mod carrier;
 mod export;
 mod files;
 mod guard;
+mod language;
 
 use std::io::{self, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};

@@ -162,6 +162,8 @@ export class Scenery {
     const { map } = this;
     if (column < 0 || row < 0 || column >= map.columns || row >= map.rows) return kind.role === "solid";
     const other = this.at(column, row);
+    // What breaks tile by tile is drawn tile by tile.
+    if (kind.role === "solid" && map.kinds[map.cells[row * map.columns + column]!]?.breakable) return false;
     return other === kind || (kind.role === "solid" && other?.role === "solid");
   }
 
@@ -172,15 +174,16 @@ export class Scenery {
     const [w, h] = [Math.round((column + 1) * width) - x, Math.round((row + 1) * height) - y];
     const info = map.kinds[map.cells[row * map.columns + column]!]!;
     if (info.slope) return drawSlope(context, kind, info.slope, x, y, w, h, scale);
-    const left = this.joins(kind, column - 1, row);
-    const right = this.joins(kind, column + 1, row);
-    const above = this.joins(kind, column, row - 1);
-    const below = this.joins(kind, column, row + 1);
+    const isAlone = info.breakable && kind.role === "solid";
+    const left = !isAlone && this.joins(kind, column - 1, row);
+    const right = !isAlone && this.joins(kind, column + 1, row);
+    const above = !isAlone && this.joins(kind, column, row - 1);
+    const below = !isAlone && this.joins(kind, column, row + 1);
     if (kind.role === "one_way") return drawOneWay(context, kind, x, y, w, h, left, right, above);
     if (kind.role === "sensed" || kind.role === "scenery") {
       return drawSensed(context, kind, x, y, w, h, [left, right, above, below]);
     }
-    const round = Math.min(w, h) * 0.24;
+    const round = Math.min(w, h) * (info.breakable ? 0.16 : 0.24);
     const corner = (a: boolean, b: boolean): number => (a || b ? 0 : round);
     context.fillStyle = kind.paint.fill;
     context.beginPath();

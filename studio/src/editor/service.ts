@@ -1,6 +1,7 @@
 // What the engine knows about texts, for the editor: the types of src/lsp/service/types.rs. Offsets count UTF-16 code
 // units, as those of the editor do.
 
+import { sessionUrl } from "../websocket.ts";
 import { EngineWorker, type EngineParts } from "../worker/client.ts";
 import type { Project } from "../worker/project.ts";
 
@@ -68,5 +69,34 @@ export class WorkerLanguageService implements LanguageService {
 
   close(): void {
     this.worker.end();
+  }
+}
+
+/** The service of `hypedc play`: a connection of its own. */
+export class WebSocketLanguageService implements LanguageService {
+  private readonly waiting: ((answer: LanguageAnswer) => void)[] = [];
+
+  private constructor(private readonly socket: WebSocket) {
+    socket.addEventListener("message", (event) => this.waiting.shift()?.(JSON.parse(event.data as string) as LanguageAnswer));
+    socket.addEventListener("close", () => {
+      // The page says that the connection is lost: here nothing more is known.
+      for (const done of this.waiting.splice(0)) done({ answer: "nothing" });
+    });
+  }
+
+  static open(): Promise<WebSocketLanguageService> {
+    const socket = new WebSocket(sessionUrl("language"));
+    return new Promise((done, failed) => {
+      socket.addEventListener("open", () => done(new WebSocketLanguageService(socket)), { once: true });
+      socket.addEventListener("error", () => failed(new Error("hypedc does not answer")), { once: true });
+    });
+  }
+
+  ask(request: LanguageRequest): Promise<LanguageAnswer> {
+    if (this.socket.readyState !== WebSocket.OPEN) return Promise.resolve({ answer: "nothing" });
+    return new Promise((done) => {
+      this.waiting.push(done);
+      this.socket.send(JSON.stringify(request));
+    });
   }
 }

@@ -13,6 +13,7 @@ const PAUSE = 120;
 export class KnowPanel implements Panel {
   readonly id = "know";
   readonly title = "Know";
+  readonly width = "roomy";
   readonly element = h("div");
   private readonly choice = h("select", { "aria-label": "Instance" });
   private readonly modes = h("ul", { class: "chips", "aria-label": "Active modes" });

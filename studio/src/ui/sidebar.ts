@@ -10,8 +10,8 @@ export interface Panel {
   element: HTMLElement;
   /** Called when it is shown or hidden. */
   shown?(isShown: boolean): void;
-  /** Whether it needs more width. */
-  isWide?: boolean;
+  /** How much width it needs, if more than usual. */
+  width?: "roomy" | "wide";
 }
 
 export class Sidebar {
@@ -75,7 +75,7 @@ export class Sidebar {
       tab.setAttribute("aria-selected", String(isCurrent));
       tab.tabIndex = isCurrent ? 0 : -1;
       panel.element.hidden = !isCurrent;
-      if (isCurrent) this.element.classList.toggle("wide", panel.isWide === true);
+      if (isCurrent) this.element.className = `sidebar ${panel.width ?? ""}`;
     });
     this.open(true);
   }

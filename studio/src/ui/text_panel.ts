@@ -34,7 +34,7 @@ const COLORS = HighlightStyle.define([
 export class TextPanel implements Panel {
   readonly id = "text";
   readonly title = "Edit";
-  readonly isWide = true;
+  readonly width = "wide";
   readonly element = h("div", { class: "text-panel" });
   /** Errors, over the running last good version. */
   readonly problems = h("div", { class: "problems", hidden: true });

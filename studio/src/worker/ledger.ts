@@ -28,6 +28,12 @@ export class Ledger {
     if (request.ask === "open") this.forgetPlay();
     // What one sought is forgotten by the next seek.
     if (request.ask === "seek" && this.requests.at(-1)?.ask === "seek") this.requests.pop();
+    // A text with errors leaves the game as it is: the next text of its file takes its place.
+    const last = this.requests.at(-1);
+    if (!this.isCurrent && request.ask === "edit" && last?.ask === "edit" && last.path === request.path) {
+      this.requests.pop();
+      this.text -= last.text?.length ?? 0;
+    }
     if (answer.answer === "opened") this.isCurrent = answer.is_current;
     this.requests.push(request);
     if (request.ask === "edit") this.text += request.text?.length ?? 0;

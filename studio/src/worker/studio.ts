@@ -1,10 +1,8 @@
 // The page over an engine in the browser: without a server, with the editor's help.
 
-import "../editor/editor.css";
 import { startStudio, type Studio, type StudioOptions } from "../app.ts";
-import { assistance, format } from "../editor/assist.ts";
+import { help } from "../editor/help.ts";
 import { WorkerLanguageService } from "../editor/service.ts";
-import { button } from "../ui/dom.ts";
 import { WorkerCarrier } from "./carrier.ts";
 import type { EngineParts } from "./client.ts";
 import type { Project } from "./project.ts";
@@ -24,11 +22,6 @@ export async function startInBrowser(
     studio.toasts.show(`The engine failed: ${first}. ${then}`, "bad");
     if (!reopened) void studio.game.restart();
   };
-  const { text } = studio;
-  const service = new WorkerLanguageService(parts, project);
-  const path = (): string => text.path ?? project.root;
-  text.isMarked = false;
-  text.extend(assistance(service, path));
-  text.addTool(button("Format", () => void format(text.editor, service, path()), "small"));
+  help(studio, new WorkerLanguageService(parts, project), project.root);
   return studio;
 }

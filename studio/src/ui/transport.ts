@@ -3,8 +3,9 @@
 import type { Game } from "../game.ts";
 import { h, icon, iconButton } from "./dom.ts";
 
-/** Time between two changes of the timeline in live play, ms. */
-const PAUSE = 70;
+/** Time between two changes of the time and of the timeline in live play, ms: its end is shown all the while. */
+const PAUSE = 250;
+const LONG_PAUSE = 1000;
 const SPEEDS = [0.25, 0.5, 1, 2];
 const SPEED_NAMES: Record<number, string> = { 0.25: "¼×", 0.5: "½×", 1: "1×", 2: "2×" };
 
@@ -19,6 +20,7 @@ export class Transport {
   private loopStart: number | null = null;
   private drawn = "";
   private last = 0;
+  private lastTime = 0;
 
   constructor(private readonly game: Game) {
     this.play = iconButton("play", "Play", () => game.toggle(), "P");
@@ -68,7 +70,9 @@ export class Transport {
     );
     game.onShown.on(() => {
       // While time passes, fewer changes of the page leave more time for the game.
-      if (game.mode !== "live" || performance.now() - this.last > PAUSE) this.update();
+      const passed = performance.now() - this.last;
+      if (game.mode !== "live" || passed > LONG_PAUSE) this.update();
+      else if (performance.now() - this.lastTime > PAUSE) this.showTime();
     });
     game.onMode.on(() => this.update());
     game.onOpened.on(() => this.update());
@@ -114,9 +118,15 @@ export class Transport {
     this.slider.max = String(Math.max(1, game.length));
     this.slider.value = String(at);
     this.slider.style.setProperty("--part", `${(100 * at) / Math.max(1, game.length)}%`);
-    const step = game.scene?.step ?? 0;
-    this.time.textContent = `${(at * step).toFixed(2)} s · ${at}/${game.length}`;
+    this.showTime();
     this.drawMarks();
+  }
+
+  private showTime(): void {
+    const { frame, length, scene } = this.game;
+    const at = frame?.at ?? 0;
+    this.lastTime = performance.now();
+    this.time.textContent = `${(at * (scene?.step ?? 0)).toFixed(2)} s · ${at}/${length}`;
   }
 
   private drawMarks(): void {

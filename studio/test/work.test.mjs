@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { browser, open, play } from "./browser.mjs";
+import { PATIENCE, browser, open, play } from "./browser.mjs";
 
 /** Maximum work for a frame, 95 of 100 times, ms. */
 const MAX_WORK = 4;
@@ -24,14 +24,14 @@ test("a frame of a large level is little work", async (t) => {
   await page.waitForTimeout(500);
   // Other programs on the machine only add to the work: the best of three measurements counts.
   const all = [];
-  while (all.length < 3 && !all.some((work) => work < MAX_WORK)) {
+  while (all.length < (PATIENCE > 1 ? 1 : 3) && !all.some((work) => work < MAX_WORK)) {
     const works = await measured(page);
     const part = (share) => works[Math.floor(share * (works.length - 1))];
     t.diagnostic(`${works.length} frames; work per frame: median ${part(0.5).toFixed(2)} ms, p95 ${part(0.95).toFixed(2)} ms`);
     assert.ok(works.length > 100 && part(0.5) > 0.05, "the work is measured");
     all.push(part(0.95));
   }
-  assert.ok(Math.min(...all) < MAX_WORK, `${all.map((work) => work.toFixed(2)).join(", ")} ms`);
+  assert.ok(Math.min(...all) < MAX_WORK * PATIENCE, `${all.map((work) => work.toFixed(2)).join(", ")} ms`);
 });
 
 /** The work of the thread that draws, for each frame of some seconds of play: from one frame to the next, ms, sorted. */
@@ -101,5 +101,5 @@ test("memory is bounded over an hour of play", async (t) => {
     return times;
   });
   t.diagnostic(`seeks: ${times.map((time) => time.toFixed(0)).join(", ")} ms`);
-  assert.ok(Math.max(...times) < 1000);
+  assert.ok(Math.max(...times) < 1000 * PATIENCE);
 });

@@ -55,6 +55,7 @@ const IN_ENTITIES: &[&str] = &[
     "always",
     "envelope",
     "use",
+    "look",
 ];
 const IN_MODES: &[&str] =
     &["mode", "initial", "condition", "when", "else", "envelope", "follow", "spawn", "destroy", "send", "use"];

@@ -8,7 +8,7 @@ import {
   type CompletionContext,
   type CompletionResult,
 } from "@codemirror/autocomplete";
-import { forceLinting, linter, type Diagnostic } from "@codemirror/lint";
+import { forEachDiagnostic, forceLinting, linter, type Diagnostic } from "@codemirror/lint";
 import { RangeSetBuilder, StateEffect, StateField, type Extension, type Text } from "@codemirror/state";
 import {
   Decoration,
@@ -118,7 +118,8 @@ function findings(documents: Documents, path: () => string): Extension {
     const there = elsewhere.map((of): LanguageFinding => ({ ...of, from: 0, to: 0, message: `${of.path}: ${of.message}`, fix: null }));
     return [...own, ...there].map((of) => diagnostic(of, text.length));
   };
-  return linter(source, { delay: 120, needsRefresh: () => analyzed !== null });
+  // Findings are shown with the help of the word that they are about.
+  return linter(source, { delay: 120, needsRefresh: () => analyzed !== null, tooltipFilter: () => [] });
 }
 
 function completion(documents: Documents, service: LanguageService, path: () => string): Extension {
@@ -144,9 +145,38 @@ function hovers(documents: Documents, service: LanguageService, path: () => stri
   return hoverTooltip(async (view, at) => {
     await documents.findings(view.state.doc);
     const answer = await service.ask({ ask: "hover", path: path(), at });
-    if (answer.answer !== "hover") return null;
-    return { pos: answer.from, end: answer.to, above: true, create: () => ({ dom: markdown(answer.markdown) }) };
+    const here: { of: Diagnostic; from: number; to: number }[] = [];
+    forEachDiagnostic(view.state, (of, from, to) => {
+      if (from <= at && at <= Math.max(to, from + 1)) here.push({ of, from, to });
+    });
+    const help = answer.answer === "hover" ? answer : null;
+    const [first] = here;
+    if (help === null && first === undefined) return null;
+    const create = (): { dom: HTMLElement } => {
+      const dom = document.createElement("div");
+      dom.append(...here.map(({ of, from, to }) => finding(view, of, from, to)));
+      if (help !== null) dom.append(markdown(help.markdown));
+      return { dom };
+    };
+    const [pos, end] = help === null ? [first?.from ?? at, first?.to ?? at] : [help.from, help.to];
+    return { pos, end, above: true, create };
   });
+}
+
+/** A finding, with buttons for its repairs. */
+function finding(view: EditorView, of: Diagnostic, from: number, to: number): HTMLElement {
+  const dom = document.createElement("div");
+  dom.className = `finding ${of.severity}`;
+  dom.append(`${of.source ?? ""}: ${of.message} `);
+  for (const { name, apply: run } of of.actions ?? []) {
+    const repair = document.createElement("button");
+    repair.type = "button";
+    repair.className = "small";
+    repair.textContent = name;
+    repair.addEventListener("click", () => run(view, from, to));
+    dom.append(repair);
+  }
+  return dom;
 }
 
 /** Formats the text; a text with errors stays as it is. */

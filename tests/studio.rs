@@ -61,9 +61,7 @@ fn stirred(rng: &mut Pcg64, players: &[hypedc::studio::PlayerInfo]) -> Vec<Held>
 /// Examples with worlds that can be played as they are.
 fn playable() -> impl Iterator<Item = PathBuf> {
     files("examples", "hyped").into_iter().filter(|path| {
-        compile(path, &Disk)
-            .program
-            .is_some_and(|program| program.worlds.iter().next().is_some_and(|w| w.open.is_none()))
+        compile(path, &Disk).program.is_some_and(|program| program.worlds.iter().next().is_some_and(|w| w.open.is_none()))
     })
 }
 
@@ -228,8 +226,7 @@ fn a_number_is_set_in_its_literal_alone() {
     session.answer(Request::Open { world: None });
     session.answer(Request::Play { inputs: jump() });
     let Answer::Sliders { sliders } = session.answer(Request::Sliders) else { panic!() };
-    let names: Vec<_> =
-        sliders.iter().map(|s| (s.entity.as_deref(), s.name.as_str(), s.value, s.unit.as_str())).collect();
+    let names: Vec<_> = sliders.iter().map(|s| (s.entity.as_deref(), s.name.as_str(), s.value, s.unit.as_str())).collect();
     let of = |name, value, unit| (Some("Jumper"), name, value, unit);
     let expected = [(None, "high", 120.0, ""), of("fall", 400.0, ""), of("speed", 60.0, ""), of("rest", 50.0, "ms")];
     assert_eq!(names, expected);
@@ -306,8 +303,9 @@ fn a_script_leads_to_the_goal_it_is_for() {
         for input in script_of(&program, WorldId(0), &script).inputs() {
             run.step(input).unwrap();
         }
-        let held: Vec<usize> =
-            (0..goals.len()).filter(|goal| run.simulator().goal(run.state(), GoalId(*goal as u32)).unwrap()).collect();
+        let held: Vec<usize> = (0..goals.len())
+            .filter(|goal| run.simulator().goal(run.state(), GoalId(*goal as u32)).unwrap())
+            .collect();
         assert_eq!(end.frame.goals, held, "{}", path.display());
     }
 }

@@ -3,7 +3,9 @@
 use crate::ir::{Bounds, Entity, Id, Origin, Program, Push, SlotId, Space, TagId, TagSet, TileMap, World};
 use crate::sim::Simulator;
 
-use super::protocol::{ColliderInfo, EntityInfo, Frame, MapInfo, PlayerInfo, Scene, SlotInfo, SpaceInfo, TileInfo};
+use super::protocol::{
+    ColliderInfo, EntityInfo, Frame, MapInfo, PlayerInfo, Scene, SlotInfo, SpaceInfo, TileInfo,
+};
 
 /// The side of a space without anything in it, px.
 const EMPTY_SIDE: f64 = 256.0;
@@ -108,7 +110,12 @@ fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> B
     let finite = |b: &Bounds| [b.left, b.right, b.bottom, b.top].iter().all(|side| side.is_finite());
     let around = fixed.chain(placed).filter(finite).reduce(Bounds::join);
     let all = around.unwrap_or(Bounds::new([0.0, 0.0, EMPTY_SIDE, EMPTY_SIDE]));
-    Bounds { left: all.left - MARGIN, right: all.right + MARGIN, bottom: all.bottom - MARGIN, top: all.top + MARGIN }
+    Bounds {
+        left: all.left - MARGIN,
+        right: all.right + MARGIN,
+        bottom: all.bottom - MARGIN,
+        top: all.top + MARGIN,
+    }
 }
 
 fn map_info(map: &TileMap<TagId>) -> MapInfo {

@@ -194,7 +194,8 @@ fn script<'f>(found: &'f Found<'_>) -> Option<&'f Script> {
 fn points(found: &Found<'_>) -> Vec<[f64; 3]> {
     let record = &found.outcome.record;
     let every = record.len().div_ceil(MAX_POINTS).max(1);
-    let point =
-        |v: &crate::reach::Visited| [crate::ir::Id::index(v.space) as f64, f64::from(v.at[0]), f64::from(v.at[1])];
+    let point = |v: &crate::reach::Visited| {
+        [crate::ir::Id::index(v.space) as f64, f64::from(v.at[0]), f64::from(v.at[1])]
+    };
     record.iter().step_by(every).map(point).collect()
 }

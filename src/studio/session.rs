@@ -239,8 +239,7 @@ impl Session {
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
         let (program, sources) = (Arc::clone(&game.program), game.sources.clone());
-        let question =
-            |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
+        let question = |program, sources, world, target| Question { program, sources, world, target, after, nodes, seed };
         let question = match target {
             Target::Goal(goal) => {
                 let id = game.world().goal_named(goal).ok_or_else(|| unknown("goal", goal))?;

@@ -330,6 +330,8 @@ impl Generator<'_> {
         ];
         for (plan, body) in self.plans.iter().zip(entities) {
             out.push_str(&format!("entity {} {{\n", plan.name));
+            // What things look like changes nothing.
+            out.push_str("look #e43\n");
             for (word, member) in members {
                 // Parameters that others read, or that a spawn or a place sets.
                 let also = !matches!(word, "jump" | "horizontal" | "roll") && uses(&all, word);

@@ -229,7 +229,7 @@ impl Generator<'_> {
         for line in lines {
             self.world_line(format!("collide {line}"));
         }
-        self.world_line("look wall, a: \"wall.png\"".to_string());
+        self.world_line("look wall, a: \"wall.png\"");
     }
 
     fn space(&mut self, name: &str, kind: Kind, frame: Frame) {

@@ -1,4 +1,5 @@
 // Starts `hypedc play` and Chromium for the tests.
+import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 import { readFile } from "node:fs/promises";
@@ -69,4 +70,16 @@ export async function open(of, url, options = {}) {
   await page.goto(url);
   await page.waitForFunction(() => globalThis.studio?.game.frame, null, { timeout: 20_000 });
   return { page, context, errors };
+}
+
+/** A value of the game of a page. */
+export const game = (page, what) => page.evaluate(`globalThis.studio.game.${what}`);
+
+/** Waits for a condition. It is asked from here: the page's policy lets nothing in it evaluate a text. */
+export async function until(page, condition, timeout = 20_000) {
+  const end = Date.now() + timeout;
+  while (!(await page.evaluate(`Boolean(${condition})`))) {
+    assert.ok(Date.now() < end, `not after ${timeout} ms: ${condition}`);
+    await new Promise((done) => setTimeout(done, 10));
+  }
 }

@@ -8,7 +8,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { PATIENCE, browser, freshPage, hypedc, open, play, root } from "./browser.mjs";
+import { PATIENCE, browser, freshPage, game, hypedc, open, play, root, until } from "./browser.mjs";
 
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 let chromium;
@@ -32,16 +32,6 @@ async function copied(example) {
   const path = join(folder, example.split("/").pop());
   await writeFile(path, await readFile(join(root, example), "utf8"));
   return path;
-}
-
-const game = (page, what) => page.evaluate(`globalThis.studio.game.${what}`);
-/** Waits for a condition. It is asked from here: the page's policy lets nothing in it evaluate a text. */
-async function until(page, condition, timeout = 20_000) {
-  const end = Date.now() + timeout;
-  while (!(await page.evaluate(`Boolean(${condition})`))) {
-    assert.ok(Date.now() < end, `not after ${timeout} ms: ${condition}`);
-    await new Promise((done) => setTimeout(done, 10));
-  }
 }
 
 /** Arguments for each example with a world; an open world gets the first level beside it. */

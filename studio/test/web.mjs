@@ -11,7 +11,7 @@ import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 
 import { games, inputs } from "../../bindings/web/test/games.mjs";
-import { PATIENCE, browser, hypedc, open, root } from "./browser.mjs";
+import { PATIENCE, browser, game, hypedc, open, root, until } from "./browser.mjs";
 
 const engine = process.env.HYPEDC_ENGINE ?? join(root, "bindings/web/dist/hypedc.wasm.gz");
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
@@ -43,15 +43,6 @@ async function playing(t, name, options = {}) {
   const opened = await open(chromium, await exported(all.find((game) => game.name === name)), { offline: true, ...options });
   t?.after(() => opened.context.close());
   return opened;
-}
-
-const game = (page, what) => page.evaluate(`globalThis.studio.game.${what}`);
-async function until(page, condition, timeout = 20_000) {
-  const end = Date.now() + timeout;
-  while (!(await page.evaluate(`Boolean(${condition})`))) {
-    assert.ok(Date.now() < end, `not after ${timeout} ms: ${condition}`);
-    await new Promise((done) => setTimeout(done, 10));
-  }
 }
 
 /** Keeps all frames that the page gets. */

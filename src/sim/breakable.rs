@@ -2,6 +2,7 @@
 //! without them has no tables.
 
 use std::cell::Cell;
+use std::collections::BTreeSet;
 
 use crate::ir::{BreakableTiles, Expr, Id, Side, SpaceId, TagId, TagSet, TileId, TileLayout, TouchId, World};
 
@@ -170,11 +171,10 @@ pub(super) fn tile_counts(world: &World, actors: &[Actor]) -> Box<[u32]> {
         Expr::Tiles(tag) => Some(tag),
         _ => None,
     });
-    let mut counts = Vec::new();
+    // Many instances ask for the same tag.
+    let asked: BTreeSet<TagId> = asked.collect();
+    let mut counts = vec![0; asked.last().map_or(0, |last| last.index() + 1)];
     for tag in asked {
-        if counts.len() <= tag.index() {
-            counts.resize(tag.index() + 1, 0);
-        }
         counts[tag.index()] = world.tiles_with(tag) as u32;
     }
     counts.into()

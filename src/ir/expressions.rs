@@ -1,7 +1,7 @@
 //! Traversal of expressions: those that an entity reads at run time, and the operands of an expression.
 
 use super::{Actions, Drive, Entity, Expr, ExprId, Id, Program, Release};
-use crate::ir::{EntityId, IdVec, ParamId, Step, Subject, Timer, TimerId, arithmetic, call, compare};
+use crate::ir::{EntityId, IdVec, ParamId, Step, Subject, TagSet, Timer, TimerId, arithmetic, call, compare};
 
 impl Entity {
     /// The expressions of its flows: of drives, envelopes and clamps.
@@ -54,6 +54,11 @@ impl Entity {
 }
 
 impl Program {
+    /// Whether a probe asks for something with some tags.
+    pub fn is_probed(&self, tags: TagSet) -> bool {
+        self.exprs.iter().any(|expr| matches!(expr, Expr::Probe { other, .. } if TagSet::of(*other).meets(tags)))
+    }
+
     /// Some expressions and all their operands, each once, in order.
     pub fn with_operands(&self, mut open: Vec<ExprId>) -> Vec<ExprId> {
         let mut seen = vec![false; self.exprs.len()];

@@ -6,8 +6,8 @@ use crate::ir::TileMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, RefId, Response,
-    SlotId, SpaceId, TagId, TagSet, TimerId, VarId,
+    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, Program, Push,
+    RefId, Response, SlotId, SpaceId, TagId, TagSet, TimerId, VarId,
 };
 
 /// A world, ready to run.
@@ -250,6 +250,22 @@ pub struct Meeting {
 }
 
 impl World {
+    /// The strongest response of colliders of some entities to something with some tags; none if no rule pairs them.
+    pub fn strongest_push(
+        &self,
+        program: &Program,
+        entities: impl IntoIterator<Item = EntityId>,
+        tags: TagSet,
+    ) -> Option<Push> {
+        let colliders = entities.into_iter().flat_map(|entity| program.entities[entity].colliders.iter());
+        colliders.filter_map(|collider| self.meeting(collider.tags, tags)).map(|meeting| meeting.response.push).max()
+    }
+
+    /// The entities of the players.
+    pub fn player_entities(&self) -> impl Iterator<Item = EntityId> {
+        self.players.iter().map(|player| self.slots[player.slot].entity)
+    }
+
     /// The number of tiles with a tag in the maps of all spaces, broken or not.
     pub fn tiles_with(&self, tag: TagId) -> usize {
         let maps = self.spaces.iter().filter_map(|space| space.map.as_ref());

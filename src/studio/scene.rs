@@ -1,8 +1,6 @@
 //! A world as the page draws it: what does not change, and a state.
 
-use std::sync::Arc;
-
-use crate::ir::{Bounds, Entity, Expr, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
+use crate::ir::{Bounds, Entity, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
 use crate::sim::Simulator;
 
 use super::protocol::{
@@ -49,26 +47,14 @@ pub(super) fn scene(path: &str, sim: &Simulator) -> Scene {
 /// What static geometry with some tags is for the players, or else for anything.
 fn role(sim: &Simulator, tags: TagSet) -> Role {
     let (program, world) = (sim.program(), sim.world());
-    let strongest = |entities: &mut dyn Iterator<Item = &Arc<Entity>>| {
-        let colliders = entities.flat_map(|entity| entity.colliders.iter());
-        let meetings = colliders.filter_map(|collider| world.meeting(collider.tags, tags));
-        let roles = meetings.map(|meeting| match meeting.response.push {
-            Push::Sense => Role::Sensed,
-            Push::FromAbove => Role::OneWay,
-            Push::Block => Role::Solid,
-        });
-        roles.max()
-    };
-    let of_players = strongest(&mut world.players.iter().map(|of| &program.entities[world.slots[of.slot].entity]));
-    let is_probed = || {
-        let probes = program.exprs.iter().any(|expr| match expr {
-            Expr::Probe { other, .. } => TagSet::of(*other).meets(tags),
-            _ => false,
-        });
-        probes.then_some(Role::Sensed)
-    };
-    let of_all = || strongest(&mut program.entities.iter());
-    of_players.or_else(of_all).or_else(is_probed).unwrap_or(Role::Scenery)
+    let of_players = world.strongest_push(program, world.player_entities(), tags);
+    match of_players.or_else(|| world.strongest_push(program, program.entities.ids(), tags)) {
+        Some(Push::Block) => Role::Solid,
+        Some(Push::FromAbove) => Role::OneWay,
+        Some(Push::Sense) => Role::Sensed,
+        None if program.is_probed(tags) => Role::Sensed,
+        None => Role::Scenery,
+    }
 }
 
 fn tag_numbers(tags: &[TagId]) -> Vec<usize> {

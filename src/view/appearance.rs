@@ -2,8 +2,9 @@
 //! same in every picture where possible.
 
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 
-use crate::ir::{EntityId, Expr, Look, Program, Push, TagSet, World, WorldId};
+use crate::ir::{EntityId, Look, Program, Push, TagSet, World, WorldId};
 
 use super::goal::touched;
 
@@ -121,31 +122,20 @@ impl Appearances {
 /// The role of tiles with some tags.
 fn role(program: &Program, world: &World, tags: TagSet) -> Role {
     for_players(program, world, tags).unwrap_or_else(|| {
-        let mut entities: Vec<EntityId> = world.slots.iter().map(|slot| slot.entity).collect();
-        entities.dedup();
-        let mut colliders = entities.iter().flat_map(|entity| program.entities[*entity].colliders.iter());
-        let is_met = colliders.any(|collider| {
-            world.meeting(collider.tags, tags).is_some_and(|meeting| meeting.response.push != Push::Sense)
-        });
-        let is_looked_for = program.exprs.iter().any(|expr| match expr {
-            Expr::Probe { other, .. } => TagSet::of(*other).meets(tags),
-            _ => false,
-        });
+        let entities: BTreeSet<EntityId> = world.slots.iter().map(|slot| slot.entity).collect();
+        let is_met = world.strongest_push(program, entities, tags).is_some_and(|push| push != Push::Sense);
+        let is_looked_for = program.is_probed(tags);
         if is_met || is_looked_for { Role::ForOthers } else { Role::Scenery }
     })
 }
 
 /// The strongest role of something with some tags for any collider of a player, if it meets one.
 pub(super) fn for_players(program: &Program, world: &World, tags: TagSet) -> Option<Role> {
-    let players = world.players.iter().map(|player| world.slots[player.slot].entity);
-    let colliders = players.flat_map(|entity| program.entities[entity].colliders.iter());
-    let meetings = colliders.filter_map(|collider| world.meeting(collider.tags, tags));
-    let roles = meetings.map(|meeting| match meeting.response.push {
+    world.strongest_push(program, world.player_entities(), tags).map(|push| match push {
         Push::Sense => Role::Sensed,
         Push::FromAbove => Role::OneWay,
         Push::Block => Role::Solid,
-    });
-    roles.max()
+    })
 }
 
 /// The names of some tags.

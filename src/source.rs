@@ -4,7 +4,7 @@
 mod span;
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -274,6 +274,21 @@ pub fn decode(bytes: Vec<u8>) -> Result<String, ReadError> {
     }
     // A carriage return alone is an old line end; a line feed has the same length.
     Ok(text.replace("\r\n", "\u{0}\n").replace('\r', "\n").replace("\u{0}\n", "\r\n"))
+}
+
+/// A path without `.` and `..`, resolved lexically: symbolic links are not followed.
+pub fn normalize(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::lsp::text::document_text::{Encoding, Position, Text};
@@ -70,19 +70,4 @@ impl Documents {
     pub fn all(&self) -> &Arc<OpenDocuments> {
         &self.open
     }
-}
-
-/// A path without `.` and `..`, resolved lexically: symbolic links are not followed.
-pub(in crate::lsp) fn normalize(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }

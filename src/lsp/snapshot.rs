@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use crate::compile::{IdeCompilation, compile_for_ide};
-use crate::source::{FileId, Files, ReadError, Span, decode};
+use crate::source::{FileId, Files, ReadError, Span, decode, normalize};
 use crate::syntax;
 use crate::syntax::ast::{Behavior, Item};
 use crate::syntax::occurrence::{NameKind, Occurrence};
 
 use crate::lsp::Workspace;
-use crate::lsp::documents::{Document, OpenDocuments, normalize};
+use crate::lsp::documents::{Document, OpenDocuments};
 use crate::lsp::location::Location;
 use crate::lsp::text::document_text::Text;
 

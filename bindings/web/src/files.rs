@@ -1,10 +1,10 @@
 //! The files of a program in memory, by name: what `import`s and maps name is looked up beside the file that names it.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use hypedc::source::{Files, ReadError, decode};
+use hypedc::source::{Files, ReadError, decode, normalize};
 
 /// Texts by their names.
 #[derive(Debug, Clone, Default)]
@@ -33,19 +33,4 @@ impl Files for Memory {
     fn identity(&self, path: &Path) -> PathBuf {
         normalize(path)
     }
-}
-
-/// A path without `.` and `..`.
-fn normalize(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }

@@ -6,12 +6,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::source::{FileId, Span};
+use crate::source::{FileId, Span, normalize};
 use crate::syntax::ast::{Item, MapSource, Name};
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 use crate::syntax::{self, ast};
 
-use crate::lsp::documents::normalize;
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::{Snapshot, SymbolKey};
 use crate::lsp::text::alignment::Alignment;

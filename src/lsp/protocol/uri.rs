@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use gen_lsp_types::Uri;
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 
-use crate::lsp::documents::normalize;
+use crate::source::normalize;
 
 /// The characters that are percent-encoded in paths (RFC 3986, section 3.3).
 const OUTSIDE_OF_PATHS: &AsciiSet = &NON_ALPHANUMERIC

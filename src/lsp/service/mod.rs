@@ -14,7 +14,7 @@ pub use types::{Answer, Completion, Edit, Finding, Fix, Request, Signature, Symb
 use crate::analysis::watched_findings;
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lsp::Workspace;
-use crate::lsp::documents::{Document, Documents, normalize};
+use crate::lsp::documents::{Document, Documents};
 use crate::lsp::features::findings::{is_unnecessary, message};
 use crate::lsp::features::navigate::Definition;
 use crate::lsp::features::{actions, completion, completion_items, hover, navigate, signature, structure, tokens};
@@ -23,7 +23,7 @@ use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Text;
 use crate::lsp::values::Ranges;
 use crate::lsp::view::{ProgramState, View};
-use crate::source::{FileId, Span};
+use crate::source::{FileId, Span, normalize};
 use crate::syntax::keywords;
 use crate::watch::Unwatched;
 

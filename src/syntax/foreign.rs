@@ -15,6 +15,7 @@ pub(super) fn foreign(failed: &Failure<'_>) -> Option<LikelyFix> {
         .or_else(|| place(failed))
         .or_else(|| point(failed))
         .or_else(|| question(failed))
+        .or_else(|| look(failed))
         .or_else(|| tile(failed))
         .or_else(|| setting(failed))
         .or_else(|| own_name(failed))
@@ -259,6 +260,23 @@ fn question(failed: &Failure<'_>) -> Option<LikelyFix> {
     }
     let is_named = !name.is_empty() && !failed.expects("`:`");
     (!is_named).then(|| LikelyFix::new(format!("a `{kind}` has a name: `{kind} NAME: PREDICATE`")))
+}
+
+/// The name of a colour, or a look of tags without a colon.
+fn look(failed: &Failure<'_>) -> Option<LikelyFix> {
+    if failed.first_word() != "look" {
+        return None;
+    }
+    let rest = failed.rest();
+    let is_named = failed.rule == Rule::only_member && failed.before().trim() == "look" && begins_with_name(rest);
+    if is_named {
+        return Some(LikelyFix::new("a look is a colour, `look #e04030`, or a picture, `look \"hero.png\"`"));
+    }
+    let is_joined = failed.rule == Rule::only_world_item && failed.expects("`:`") && rest.starts_with(['#', '"']);
+    is_joined.then(|| {
+        let range = failed.before().trim_end().len()..failed.at;
+        LikelyFix::replacement("a colon is between the tags and their look: `look coin: #ffd040`", range, ": ")
+    })
 }
 
 /// A tile's character without its quotes, or two tiles on one line.

@@ -113,7 +113,7 @@ fn reach_monitored(
     let endless = matches!(problem.target, Target::Never(_)).then(|| endless(program, world));
     let nevers: Vec<ExprId> = match endless {
         Some(_) => Vec::new(),
-        None => problem.sim.world().nevers.iter().map(|never| never.holds).collect(),
+        None => problem.rules(),
     };
     let whole = endless.as_ref().map(|endless| watched_space(endless, world, &nevers, watch));
     let (of, whole) = (endless.as_ref().unwrap_or(program), whole.as_ref().unwrap_or(space));

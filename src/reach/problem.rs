@@ -92,6 +92,8 @@ pub struct Problem<'s> {
     pub target: Target,
     /// Predicates of the world that must not hold on the path, including its end.
     avoided: Vec<ExprId>,
+    /// `never`s that are questions only: they end no run.
+    asked: Vec<NeverId>,
     /// Maximum number of steps from the start of the search.
     within: Option<u32>,
     /// Minimum number of steps for which each input is held.
@@ -124,6 +126,7 @@ impl<'s> Problem<'s> {
             players,
             monitor: None,
             avoided: Vec::new(),
+            asked: Vec::new(),
             within: None,
             min_hold: 1,
             seed: 0,
@@ -144,6 +147,32 @@ impl<'s> Problem<'s> {
     pub fn without(mut self, predicate: ExprId) -> Self {
         self.avoided.push(predicate);
         self
+    }
+
+    /// Asks about some `never`s: they are no rules of the world, and end no run unless they are the target.
+    #[must_use]
+    pub fn asking_only(mut self, nevers: &[NeverId]) -> Self {
+        self.asked.extend(nevers);
+        self
+    }
+
+    /// The predicates of the `never`s that end a run.
+    pub(super) fn rules(&self) -> Vec<ExprId> {
+        let nevers = self.sim.world().nevers.pairs().filter(|(id, _)| !self.asked.contains(id));
+        nevers.map(|(_, never)| never.holds).collect()
+    }
+
+    /// The first `never` that holds in a state and ends the run.
+    fn broken_rule(&self, state: &[u8]) -> Result<Option<NeverId>, Fault> {
+        if self.asked.is_empty() {
+            return self.sim.violated(state);
+        }
+        for (id, never) in self.sim.world().nevers.pairs() {
+            if !self.asked.contains(&id) && self.sim.holds(state, never.holds)? {
+                return Ok(Some(id));
+            }
+        }
+        Ok(None)
     }
 
     /// The predicates that must not hold on the path.
@@ -293,7 +322,7 @@ impl<'s> Problem<'s> {
         {
             return Ok(StateStatus::Goal);
         }
-        if let Some(never) = self.sim.violated(state)? {
+        if let Some(never) = self.broken_rule(state)? {
             return Ok(StateStatus::Dead(Termination::Never(never)));
         }
         if self.sim.left_bounds(state).is_some() {

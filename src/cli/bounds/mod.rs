@@ -9,6 +9,7 @@ use std::ops::AddAssign;
 use serde::Serialize;
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
+use crate::compile::Changes;
 use crate::ir::{Bounds, DiscreteId, Entity, Id, Program, SlotId, TimerId, VarId, World, WorldId};
 use crate::json::{self, Layout};
 use crate::reach::query::{is_bounded, proof_reasons};
@@ -18,7 +19,7 @@ use crate::watch::Unwatched;
 
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
-use crate::cli::report::{Loaded, choose_world, load};
+use crate::cli::report::{Loaded, choose_world, load_changed};
 use table::write_table;
 
 /// The version of the JSON result.
@@ -99,7 +100,9 @@ impl<'a> WorldBounds<'a> {
 }
 
 pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
-    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Exit::Refused) };
+    let numbers = args.numbers.fixed();
+    let changes = Changes { numbers: &numbers, ..Changes::default() };
+    let Some(loaded) = load_changed(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
     let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
     let space = configuration_space(&loaded.program, id);
     let is_open = |goal| space.can_hold(&loaded.program, id, goal);

@@ -24,17 +24,17 @@ use crate::watch::Watch;
 
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
-use crate::cli::report::{Loaded, choose_world, load_constrained, show_fact};
+use crate::cli::report::{Loaded, choose_world, load_changed, show_fact};
 use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
-use question::{extra_constraint, query, refusal};
+use question::{ReachChanges, query, refusal};
 use refuted::{Refuted, RunInfo, command_line};
 use result::RunResult;
-use text::answer_text;
+use text::{Detail, Shown, answer_text};
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
-    let Some(mut loaded) = load_constrained(&args.file, level, extra_constraint(args))? else {
+    let Some(mut loaded) = load_changed(&args.file, level, &ReachChanges::new(args).changes())? else {
         return Ok(Exit::Refused);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
@@ -66,7 +66,8 @@ fn answer_all(
 ) -> io::Result<Exit> {
     let program = &loaded.program;
     let mut result = RunResult::new(args, session, analysis_seconds);
-    if args.format == ResultFormat::Human {
+    let detail = Detail::of(args);
+    if args.format == ResultFormat::Human && detail != Detail::Quiet {
         write!(io::stdout(), "{}", result.head())?;
     }
     let mut phases = Phases::new(args, &program.worlds[world], analysis_seconds);
@@ -101,7 +102,9 @@ fn answer_all(
             show_fact(&loaded.sources, fault.fact(program, world, step))?;
         }
         if args.format == ResultFormat::Human {
-            write!(io::stdout(), "{}", answer_text(&answer, session.query(), &saved, searched.seconds))?;
+            let (query, has_rooms) = (session.query(), program.worlds[world].spaces.len() > 1);
+            let shown = Shown { query, saved: &saved, seconds: searched.seconds, has_rooms, detail };
+            write!(io::stdout(), "{}", answer_text(&answer, &shown))?;
         }
         if !answer.is_expected {
             exit = exit.max(Exit::No);
@@ -109,7 +112,7 @@ fn answer_all(
         result.add(args, answer, &found.outcome, searched.seconds);
     }
     match args.format {
-        ResultFormat::Human => write!(io::stdout(), "{}", result.tail())?,
+        ResultFormat::Human => write!(io::stdout(), "{}", result.tail(detail))?,
         ResultFormat::Json => {
             let mut out = io::stdout().lock();
             json::write(&result, Layout::Indented, &mut out)?;
@@ -182,12 +185,13 @@ pub fn answer_by_analysis_of(
     use clap::Parser;
 
     use crate::cli::args::{Arguments, Command};
+    use crate::compile::Changes;
 
     let arguments = Arguments::try_parse_from(arguments);
     let Ok(Arguments { command: Command::Reach(args), .. }) = &arguments else { return Ok(None) };
-    let (level, world) = (|| args.reading.of(None), WorldId(0));
+    let (level, world, none) = (|| args.reading.of(None), WorldId(0), Changes::default());
     let (Some(analysed), Some(mut loaded)) =
-        (load_constrained(file, level(), None)?, load_constrained(&args.file, level(), None)?)
+        (load_changed(file, level(), &none)?, load_changed(&args.file, level(), &none)?)
     else {
         return Ok(None);
     };
@@ -199,6 +203,8 @@ pub fn answer_by_analysis_of(
         return Ok(None);
     };
     let answer = session.answer(&mut first, &loaded.sources);
-    let text = answer_text(&answer, session.query(), &Saved::default(), 0.0);
+    let (query, saved) = (session.query(), Saved::default());
+    let shown = Shown { query, saved: &saved, seconds: 0.0, has_rooms: false, detail: Detail::Full };
+    let text = answer_text(&answer, &shown);
     Ok(Some((exit == Exit::Yes, answer.verdict, text)))
 }

@@ -37,6 +37,8 @@ pub struct Query {
     pub within: Option<u32>,
     /// `never`s that a path must not break; counterexamples to them are not reported.
     pub without: Vec<NeverId>,
+    /// `never`s that are questions only: they end no run.
+    pub asked: Vec<NeverId>,
     /// Scripts whose ends are the starts of searches; if empty, the initial state.
     pub after: Vec<Script>,
     /// Whether paths are made faster and simpler.
@@ -55,6 +57,7 @@ impl Query {
             min_hold: 1,
             within: None,
             without: Vec::new(),
+            asked: Vec::new(),
             after: Vec::new(),
             minimizes: false,
             chance: None,
@@ -135,7 +138,8 @@ impl Session {
     /// Analyses a world; if the watch stops it, everything counts as possible.
     pub fn new(program: &Arc<Program>, world: WorldId, query: Query, watch: &dyn Watch) -> Self {
         // A run is over where a `never` holds.
-        let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
+        let nevers = program.worlds[world].nevers.pairs().filter(|(id, _)| !query.asked.contains(id));
+        let nevers: Vec<ExprId> = nevers.map(|(_, never)| never.holds).collect();
         let space = watched_space(program, world, &nevers, watch);
         Session::with_space(program, world, query, space)
     }
@@ -233,7 +237,28 @@ impl Session {
         let violations = violations.collect();
         let luck =
             found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| self.luck(p, &plan.script, plan.after));
-        Answer { violations, luck, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+        let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
+        let spaces = spaces.unwrap_or_default();
+        Answer { violations, luck, spaces, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+    }
+
+    /// The spaces that the players are in after a script, each once.
+    fn spaces_after(&self, problem: &Problem<'_>, script: &Script) -> Vec<String> {
+        let mut scratch = self.sim.scratch();
+        let Ok(mut state) = self.sim.initial(&mut scratch) else { return Vec::new() };
+        for (input, step) in script.inputs().zip(1..) {
+            if self.sim.step(&mut state, &problem.draw(step, input), &mut scratch).is_err() {
+                return Vec::new();
+            }
+        }
+        let mut spaces: Vec<String> = Vec::new();
+        for &slot in problem.players() {
+            let name = &self.sim.world().spaces[self.sim.space(&state, slot)].name;
+            if !spaces.contains(name) {
+                spaces.push(name.clone());
+            }
+        }
+        spaces
     }
 
     /// The luck that a script needs, where nature draws and a search chose it.
@@ -312,8 +337,8 @@ impl Session {
 
     /// The problem for a target; `None` if the watch stopped the replay of a start.
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
-        let Query { min_hold, within, without, after, .. } = &self.query;
-        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold);
+        let Query { min_hold, within, without, asked, after, .. } = &self.query;
+        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold).asking_only(asked);
         if let Some(monitor) = &self.monitor {
             problem = problem.monitored(monitor);
         }

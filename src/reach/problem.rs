@@ -7,6 +7,7 @@ use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Input, Script, Simulator, State};
 use crate::watch::{Meter, Unwatched, Watch};
 
+use super::explore::Observer;
 use super::monitor::Monitor;
 
 /// The target.
@@ -105,6 +106,8 @@ pub struct Problem<'s> {
     players: Vec<SlotId>,
     /// Checks the states created for an answer.
     monitor: Option<&'s Monitor>,
+    /// Sees the states of samplers.
+    observer: Option<&'s dyn Observer>,
     /// The starts; if empty, the initial state.
     starts: Vec<Start>,
     /// The initial state, computed on demand: it takes long for a large world.
@@ -125,6 +128,7 @@ impl<'s> Problem<'s> {
             target,
             players,
             monitor: None,
+            observer: None,
             avoided: Vec::new(),
             asked: Vec::new(),
             within: None,
@@ -191,6 +195,18 @@ impl<'s> Problem<'s> {
     /// The monitor.
     pub fn monitor(&self) -> Option<&'s Monitor> {
         self.monitor
+    }
+
+    /// Shows each state of sampling planners to an observer.
+    #[must_use]
+    pub fn observed(mut self, observer: &'s dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// The observer.
+    pub(super) fn observer(&self) -> Option<&'s dyn Observer> {
+        self.observer
     }
 
     /// Limits the number of steps from the start of the search.

@@ -328,6 +328,9 @@ pub(in crate::cli) struct ReachArgs {
     /// A `never` to break, or a predicate that should never hold: searches for a counterexample.
     #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
+    /// Asks no question: goes wherever it can, and reports what was covered: rooms, tiles that were stood on, modes, edges.
+    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "results", "csv", "junit", "baseline"], help_heading = "The question")]
+    pub explore: bool,
     /// Only paths on which a predicate never holds: is the key needed, or the run button?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
     pub without: Option<String>,

@@ -2,6 +2,7 @@
 //! handles several levels. This part reads the questions from the arguments, and shows and saves the answers;
 //! [`crate::reach::query`] answers them.
 
+mod explore;
 pub(in crate::cli) mod files;
 pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
@@ -9,7 +10,7 @@ mod result;
 mod text;
 
 #[cfg(feature = "testing")]
-pub(in crate::cli) use result::json_schema;
+pub(in crate::cli) use {explore::json_schema as exploration_schema, result::json_schema};
 pub(in crate::cli) use text::counted;
 
 use std::io::{self, Write};
@@ -53,6 +54,9 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     let session = Session::new(&loaded.program, world, query, &watch);
     let seconds = started.elapsed().as_secs_f64();
     watch.finish();
+    if args.explore {
+        return explore::run(args, &loaded, world, &session, seconds);
+    }
     answer_all(args, &loaded, world, &session, seconds)
 }
 

@@ -20,6 +20,8 @@ use crate::cli::time::{Time, held};
 
 /// The name of the `never` that `--without` adds: not a valid name in a program.
 const WITHOUT: &str = "--without";
+/// The source of the goal of `--explore`, which nothing reaches.
+const EXPLORE: &str = "--explore";
 /// The source of predicates of `--never`.
 const NEVER: &str = "--never";
 
@@ -36,9 +38,10 @@ impl<'a> ReachChanges<'a> {
         let question = |asked, origin| move |text: &'a String| ExtraQuestion { asked, world, text, origin };
         let goals = args.goal.iter().map(question(Asked::Goal, "--goal"));
         let nevers = args.never.iter().map(question(Asked::Never, NEVER));
+        let nowhere = args.explore.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
         let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
         ReachChanges {
-            questions: goals.chain(nevers).collect(),
+            questions: goals.chain(nevers).chain(nowhere).collect(),
             constraint: args.without.as_deref().map(constraint),
             numbers: args.numbers.fixed(),
         }
@@ -137,7 +140,10 @@ fn min_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
 
 /// The search settings.
 fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, Refusal> {
-    let planner = Planner::named(&args.planner).unwrap_or_default();
+    let mut planner = Planner::named(&args.planner).unwrap_or_default();
+    if args.explore && planner == Planner::Auto {
+        planner = Planner::Coverage;
+    }
     let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
     let hold = hold.map_err(|why| Refusal::Plain(format!("`--hold`: {why}")))?;
     if let Some((_, high)) = hold.filter(|(_, high)| *high < min_hold) {
@@ -196,7 +202,10 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
             }
         }
     }
-    if args.goal.is_empty() && args.never.is_empty() {
+    if args.explore {
+        // The compiler appends it.
+        chosen.extend(goals.last().map(|(target, _)| *target));
+    } else if args.goal.is_empty() && args.never.is_empty() {
         chosen.extend(goals.iter().map(|(target, _)| *target));
     }
     if chosen.is_empty() {

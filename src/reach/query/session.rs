@@ -11,6 +11,7 @@ use crate::source::SourceMap;
 use crate::watch::{Meter, Unwatched, Watch};
 
 use super::super::exchange::plan_from_script;
+use super::super::explore::Observer;
 use super::super::improve_duration::improve_duration;
 use super::super::luck::only_read;
 use super::super::monitor::{Monitor, Refutation};
@@ -18,7 +19,7 @@ use super::super::outcome::{End, Outcome, Plan, Verdict};
 use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
-use super::super::search::{Limits, Settings};
+use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::answer::{Answer, Counterexample};
 
@@ -211,6 +212,18 @@ impl Session {
             self.minimize(&mut found, watch);
         }
         Ok(found)
+    }
+
+    /// Searches without the analysis for the first target, and shows each state on the way to an observer. For a target
+    /// that nothing reaches, it goes wherever it can.
+    ///
+    /// [`QueryError`] if it cannot be searched.
+    pub fn explore(&self, observer: &dyn Observer, watch: &dyn Watch) -> Result<Outcome, QueryError> {
+        let Query { targets, settings, limits, .. } = &self.query;
+        let problem = targets.first().map(|target| self.problem(*target, watch)).transpose()?.flatten();
+        let Some(problem) = problem else { return Ok(Outcome::stopped(settings.planner)) };
+        let problem = problem.observed(observer);
+        search(&problem, &self.space, settings, limits, watch).map_err(|fault| QueryError::Fault(fault, 0))
     }
 
     /// The answer. Call it after all targets have been searched for: one search can withdraw the proof of another.

@@ -27,6 +27,8 @@ use super::disk::Disk;
 use super::pictures::{self, Outcome, marks, save_svg};
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load_changed, plain_error, program_sha256, show, show_fact};
+use super::sim_sweep;
+use super::sweep::Sweep;
 use super::watches::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
@@ -35,6 +37,14 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     }
     // The arguments have a program unless they have a trace to replay.
     let file = args.file.as_deref().unwrap_or(Path::new(""));
+    match Sweep::new(&args.numbers) {
+        Ok(None) => {}
+        Ok(Some(sweep)) => return sim_sweep::run(args, file, &sweep),
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    }
     let numbers = args.numbers.fixed();
     let questions = questions(args);
     let changes = Changes { questions: &questions, numbers: &numbers, ..Changes::default() };
@@ -165,7 +175,7 @@ fn trace_writer<'s>(
 }
 
 /// The expectations as questions: names, or predicates that the world gets as goals.
-fn questions(args: &SimArgs) -> Vec<ExtraQuestion<'_>> {
+pub(super) fn questions(args: &SimArgs) -> Vec<ExtraQuestion<'_>> {
     let world = args.world.as_deref();
     let question = |asked, origin| move |text| ExtraQuestion { asked, world, text, origin };
     let expected = args.expect.iter().map(String::as_str).map(question(Asked::Goal, "--expect"));
@@ -270,7 +280,7 @@ impl Expected {
 }
 
 /// The requested script; reports why if there is none.
-fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
+pub(super) fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
     let (path, text) = match (&args.inputs, &args.inputs_file) {
         (Some(text), _) => ("--inputs".into(), text.clone()),
         (None, Some(path)) => match Disk.read(path) {

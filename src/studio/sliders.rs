@@ -29,14 +29,15 @@ pub(super) fn sliders(root: &Path, files: &dyn Files, written: &dyn Files) -> Ve
 /// The file and the text after a number is set, and whether there is such a number.
 pub(super) fn set(root: &Path, files: &dyn Files, slider: usize, value: f64) -> Option<(PathBuf, String)> {
     let numbers = Numbers::read(root, files);
-    let (number, _) = numbers.all.get(slider).filter(|_| value.is_finite())?;
-    let file = numbers.sources.file(number.span.file());
-    let mut text = file.text().to_string();
-    let range = number.span.range();
-    let unit = numbers.unit(number);
-    text.get(range.clone())?;
-    text.replace_range(range, &format!("{value}{unit}"));
-    Some((file.path.clone(), text))
+    let (number, _) = numbers.all.get(slider)?;
+    numbers.set(number, value)
+}
+
+/// As [`set`], by the path of the number.
+pub(super) fn set_named(root: &Path, files: &dyn Files, path: &str, value: f64) -> Option<(PathBuf, String)> {
+    let numbers = Numbers::read(root, files);
+    let (number, _) = numbers.all.iter().find(|(number, _)| number.path() == path)?;
+    numbers.set(number, value)
 }
 
 /// All numbers of a program that are written as literals, with their values.
@@ -57,6 +58,17 @@ impl Numbers {
         let order: Vec<FileId> = trees.iter().map(|tree| tree.id).collect();
         all.sort_by_key(|(number, _)| (order.iter().position(|id| *id == number.span.file()), number.span.start()));
         Numbers { sources, all }
+    }
+
+    /// The file and the text after a number is set.
+    fn set(&self, number: &Number, value: f64) -> Option<(PathBuf, String)> {
+        let file = self.sources.file(number.span.file());
+        let mut text = file.text().to_string();
+        let range = number.span.range();
+        let unit = self.unit(number);
+        text.get(range.clone()).filter(|_| value.is_finite())?;
+        text.replace_range(range, &format!("{value}{unit}"));
+        Some((file.path.clone(), text))
     }
 
     /// The unit that is written after a number, with the space before it.

@@ -280,7 +280,7 @@ pub(in crate::cli) struct PlayArgs {
     #[arg(long)]
     pub no_open: bool,
     /// Writes one HTML file that plays without a network and without hypedc, instead of serving the page.
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "no_open"])]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "no_open", "set"])]
     pub export: Option<PathBuf>,
     /// The engine for the file, a module of WebAssembly; needed if hypedc was built without one.
     #[arg(long, value_name = "PATH", requires = "export")]

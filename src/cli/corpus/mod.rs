@@ -43,6 +43,10 @@ const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
 
 /// Whether the arguments concern many levels, or use an option that only those have.
 pub(in crate::cli) fn is_corpus_run(args: &ReachArgs) -> bool {
+    // A sweep has a table of its own, of one level.
+    if !args.numbers.sweeps().is_empty() {
+        return false;
+    }
     let of = &args.corpus;
     let wants = [&of.results, &of.csv, &of.junit, &of.baseline].iter().any(|path| path.is_some());
     wants || args.map.len() > 1 || args.map.iter().any(|path| path.is_dir())

@@ -7,10 +7,11 @@ pub(in crate::cli) mod files;
 pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
 mod result;
+mod sweep;
 mod text;
 
 #[cfg(feature = "testing")]
-pub(in crate::cli) use {explore::json_schema as exploration_schema, result::json_schema};
+pub(in crate::cli) use {explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema};
 pub(in crate::cli) use text::counted;
 
 use std::io::{self, Write};
@@ -25,7 +26,8 @@ use crate::watch::Watch;
 
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
-use crate::cli::report::{Loaded, choose_world, load_changed, show_fact};
+use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, show_fact};
+use crate::cli::sweep::Sweep;
 use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
 use question::{ReachChanges, query, refusal};
@@ -34,6 +36,14 @@ use result::RunResult;
 use text::{Detail, Shown, answer_text};
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
+    match Sweep::new(&args.numbers) {
+        Ok(None) => {}
+        Ok(Some(sweep)) => return sweep::run(args, &sweep),
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    }
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
     let Some(mut loaded) = load_changed(&args.file, level, &ReachChanges::new(args).changes())? else {
         return Ok(Exit::Refused);

@@ -3,6 +3,7 @@
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
 pub(in crate::cli) mod set;
+pub(in crate::cli) mod why;
 
 use std::path::PathBuf;
 
@@ -13,6 +14,7 @@ use crate::reach::{Planner, Restart};
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
 pub(in crate::cli) use set::SetArgs;
+pub(in crate::cli) use why::WhyArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
@@ -43,6 +45,8 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
+    /// Explains a step of a run: which edge was taken, which part of a guard failed, since when.
+    Why(WhyArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

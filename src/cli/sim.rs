@@ -281,13 +281,13 @@ impl Expected {
 
 /// The requested script; reports why if there is none.
 pub(super) fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
-    script_of((&args.inputs, &args.inputs_file), args.frames.is_some(), loaded, world)
+    script_of((&args.inputs, &args.inputs_file), (args.frames.is_some(), "--frames N"), loaded, world)
 }
 
-/// A script from an argument or from a file; an empty one where a number of steps is given.
+/// A script from an argument or from a file; an empty one where an option gives a number of steps.
 pub(super) fn script_of(
     (inputs, inputs_file): (&Option<String>, &Option<PathBuf>),
-    has_steps: bool,
+    (has_steps, option): (bool, &str),
     loaded: &mut Loaded,
     world: WorldId,
 ) -> io::Result<Option<Script>> {
@@ -303,7 +303,7 @@ pub(super) fn script_of(
         (None, None) if has_steps => return Ok(Some(Script::default())),
         (None, None) => {
             let why = "no inputs and no number of steps".to_string();
-            let help = Some("give `--inputs 'right*40'`, `--inputs-file PATH` or `--frames N`".to_string());
+            let help = Some(format!("give `--inputs 'right*40'`, `--inputs-file PATH` or `{option}`"));
             show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
             return Ok(None);
         }

@@ -150,8 +150,7 @@ impl Observer for Explorer {
             for (collider, b) in instance.colliders() {
                 if solid.get(collider.index()).copied().unwrap_or(false) {
                     has_body = true;
-                    let body =
-                        Bounds { left: x + b.left, right: x + b.right, bottom: y + b.bottom, top: y + b.top };
+                    let body = Bounds { left: x + b.left, right: x + b.right, bottom: y + b.bottom, top: y + b.top };
                     covered.see(map, &body);
                 }
             }

@@ -24,15 +24,8 @@ pub enum Shade {
 }
 
 impl Shade {
-    const ALL: [Shade; 7] = [
-        Shade::Reached,
-        Shade::Violated,
-        Shade::Open,
-        Shade::Exhausted,
-        Shade::Unreachable,
-        Shade::Safe,
-        Shade::Error,
-    ];
+    const ALL: [Shade; 7] =
+        [Shade::Reached, Shade::Violated, Shade::Open, Shade::Exhausted, Shade::Unreachable, Shade::Safe, Shade::Error];
 
     fn class(self) -> &'static str {
         match self {
@@ -139,9 +132,10 @@ pub fn verdict_map_svg(map: &VerdictMap) -> String {
         for (index, (shade, steps)) in panel.cells.iter().enumerate() {
             let (row, column) = (index / columns, index % columns);
             let (x, top) = (MARGIN + left + cell * column as f64, y + HEIGHT * (rows - 1 - row.min(rows - 1)) as f64);
-            let values = [up.1.get(row).map(|v| format!("{} = {v}", up.0)), Some(across.1.get(column))
-                .flatten()
-                .map(|v| format!("{} = {v}", across.0))];
+            let values = [
+                up.1.get(row).map(|v| format!("{} = {v}", up.0)),
+                Some(across.1.get(column)).flatten().map(|v| format!("{} = {v}", across.0)),
+            ];
             let values: Vec<String> = values.into_iter().flatten().collect();
             let told = steps.map_or(shade.words().to_string(), |steps| {
                 shade.words().replace("so many steps", &format!("{steps} steps"))
@@ -168,19 +162,37 @@ pub fn verdict_map_svg(map: &VerdictMap) -> String {
         }
         for (row, value) in up.1.iter().enumerate() {
             let at = y + HEIGHT * (rows - 1 - row) as f64 + HEIGHT / 2.0 + 4.0;
-            put!(out, "<text class=\"far\" x=\"{}\" y=\"{}\">{}</text>\n", Number(MARGIN + left - 8.0), Number(at), escaped(value));
+            put!(
+                out,
+                "<text class=\"far\" x=\"{}\" y=\"{}\">{}</text>\n",
+                Number(MARGIN + left - 8.0),
+                Number(at),
+                escaped(value)
+            );
         }
         y += high + 16.0;
         let mut free = f64::NEG_INFINITY;
         for (column, value) in across.1.iter().enumerate() {
             let (middle, half) = (MARGIN + left + cell * (column as f64 + 0.5), text_width(value, 12.0) / 2.0);
             if middle - half >= free {
-                put!(out, "<text class=\"mid\" x=\"{}\" y=\"{}\">{}</text>\n", Number(middle), Number(y), escaped(value));
+                put!(
+                    out,
+                    "<text class=\"mid\" x=\"{}\" y=\"{}\">{}</text>\n",
+                    Number(middle),
+                    Number(y),
+                    escaped(value)
+                );
                 free = middle + half + LABEL;
             }
         }
         y += 18.0;
-        put!(out, "<text class=\"quiet\" x=\"{}\" y=\"{}\">{} →</text>\n", Number(MARGIN + left), Number(y), escaped(&across.0));
+        put!(
+            out,
+            "<text class=\"quiet\" x=\"{}\" y=\"{}\">{} →</text>\n",
+            Number(MARGIN + left),
+            Number(y),
+            escaped(&across.0)
+        );
     }
     y += 14.0;
     for shade in Shade::ALL {
@@ -190,7 +202,11 @@ pub fn verdict_map_svg(map: &VerdictMap) -> String {
         }
         y += 22.0;
         let (class, sign) = (shade.class(), shade.sign());
-        put!(out, "<rect class=\"cell {class}\" x=\"{MARGIN}\" y=\"{}\" width=\"26\" height=\"18\"/>\n", Number(y - 13.0));
+        put!(
+            out,
+            "<rect class=\"cell {class}\" x=\"{MARGIN}\" y=\"{}\" width=\"26\" height=\"18\"/>\n",
+            Number(y - 13.0)
+        );
         let dark = if shade == Shade::Open { " dark" } else { "" };
         put!(out, "<text class=\"in{dark}\" x=\"{}\" y=\"{}\">{sign}</text>\n", Number(MARGIN + 13.0), Number(y));
         put!(out, "<text x=\"{}\" y=\"{}\">{} ({count})</text>\n", Number(MARGIN + 36.0), Number(y), shade.words());

@@ -9,7 +9,7 @@ use crate::source::SourceMap;
 
 use super::record::{Atom, Place};
 use super::run::{Inputs, RunError, play};
-use super::step::{Guards, place};
+use super::step::{Guards, Moved, place};
 
 /// How near some edges came to being taken in a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -160,7 +160,8 @@ pub fn nearly(
             return;
         }
         let inspection = Inspection::new(sim, state, input);
-        let guards = Guards { program, sources, step: &inspection, slot };
+        let moved = Some(Moved { sim, before: state, after, taken });
+        let guards = Guards { program, sources, step: &inspection, slot, moved };
         for ((edge, found), best) in asked.iter().zip(&mut edges).zip(&mut best) {
             let of = &entity.edges[*edge];
             let leaf = &entity.leaves[before.leaf(entity.modes[of.source].group)];

@@ -8,7 +8,7 @@ use crate::sim::{Fault, Input, Inspection, Script, Simulator};
 use crate::source::SourceMap;
 
 use super::record::{Atom, Contact, Place, Value};
-use super::step::{Guards, Moment, contacts, edges, inspect, on_one_line, place, shown};
+use super::step::{Guards, Moment, Moved, contacts, edges, inspect, on_one_line, place, shown};
 use super::whom::whom;
 
 /// Inputs of a run, and what nature draws where they leave it open.
@@ -207,9 +207,12 @@ pub fn why(
         for (since, (touch, _)) in touches.iter_mut().zip(&touched) {
             since.see(instance.is_alive() && instance.touches(*touch), at);
         }
-        let Some((before, input, _)) = led.filter(|(before, ..)| sim.instance(before, slot).is_alive()) else { return };
+        let Some((before, input, taken)) = led.filter(|(before, ..)| sim.instance(before, slot).is_alive()) else {
+            return;
+        };
         let inspection = Inspection::new(sim, before, input);
-        let guards = Guards { program, sources, step: &inspection, slot };
+        let moved = Some(Moved { sim, before, after: state, taken });
+        let guards = Guards { program, sources, step: &inspection, slot, moved };
         for (since, part) in atoms.iter_mut().zip(&parts) {
             since.see(guards.truth(*part), at);
         }

@@ -1,7 +1,7 @@
 //! What is known about an instance after a step: its modes and values, and of each edge that was considered in the step,
 //! whether its guard held, part by part.
 
-use crate::ir::{Domain, EdgeId, Entity, Expr, ExprId, Id, ModeId, Program, Side, SlotId, TouchId, VarId};
+use crate::ir::{Domain, EdgeId, Entity, Expr, ExprId, Id, ModeId, Program, Side, SlotId, TouchId, Transition, VarId};
 use crate::sim::{Input, Inspection, Instance, Simulator};
 use crate::source::{SourceMap, Span};
 
@@ -143,7 +143,8 @@ pub(super) fn edges(moment: &Moment<'_>, slot: SlotId) -> Vec<Considered> {
     let id = sim.world().slots[slot].entity;
     let entity: &Entity = &program.entities[id];
     let step = Inspection::new(sim, state, input);
-    let guards = Guards { program, sources, step: &step, slot };
+    let moved = moment.taken.map(|taken| Moved { sim, before: state, after: moment.after, taken });
+    let guards = Guards { program, sources, step: &step, slot, moved };
     let mut all = Vec::new();
     for group in entity.groups.ids() {
         let leaf = &entity.leaves[before.leaf(group)];
@@ -156,6 +157,8 @@ pub(super) fn edges(moment: &Moment<'_>, slot: SlotId) -> Vec<Considered> {
                 Some(taken) => taken.contains(&(slot, edge)),
                 None => held && (of.target.is_none() || !is_taken),
             };
+            // What the simulator took held, whatever modes of other groups were entered or left.
+            let held = held || moment.taken.is_some() && taken;
             is_taken |= taken && of.target.is_some();
             let span = program.spans.entities[id].edges[edge];
             let parts = atoms_of(program, of.guard);
@@ -194,11 +197,59 @@ pub(super) struct Guards<'a> {
     pub sources: &'a SourceMap,
     pub step: &'a Inspection<'a>,
     pub slot: SlotId,
+    /// The states before and after the step, and what was taken in it: they tell which modes are entered and left.
+    pub moved: Option<Moved<'a>>,
+}
+
+/// How a step changed modes.
+#[derive(Clone, Copy)]
+pub(super) struct Moved<'a> {
+    pub sim: &'a Simulator,
+    pub before: &'a [u8],
+    pub after: &'a [u8],
+    pub taken: &'a [(SlotId, EdgeId)],
+}
+
+impl Moved<'_> {
+    /// Whether a mode of an instance was entered (true) or left; none if the instance is gone.
+    fn joint(&self, slot: SlotId, mode: ModeId, is_entered: bool) -> Option<bool> {
+        let (was, is) = (self.sim.instance(self.before, slot), self.sim.instance(self.after, slot));
+        let entity = was.entity();
+        let group = entity.modes[mode].group;
+        let mut taken = self.taken.iter().filter(|(of, _)| *of == slot).map(|(_, edge)| &entity.edges[*edge]);
+        let Some(target) = taken.find(|edge| entity.modes[edge.source].group == group && edge.target.is_some()) else {
+            return Some(false);
+        };
+        if !is.is_alive() {
+            return None;
+        }
+        let transition = Transition { group, from: was.leaf(group), target: target.target?, to: is.leaf(group) };
+        Some(if is_entered { transition.enters(entity, mode) } else { transition.leaves(entity, mode) })
+    }
 }
 
 impl Guards<'_> {
     pub fn truth(&self, id: ExprId) -> Option<bool> {
-        self.step.value(self.slot, id).ok().map(|value| value != 0.0)
+        match (self.program.exprs[id], self.moved) {
+            (Expr::Joint(mode, is_entered), Some(moved)) => moved.joint(self.slot, mode, is_entered),
+            (Expr::Not(a), Some(_)) if matches!(self.program.exprs[a], Expr::Joint(..)) => {
+                self.truth(a).map(|held| !held)
+            }
+            _ => self.step.value(self.slot, id).ok().map(|value| value != 0.0),
+        }
+    }
+
+    /// The text of a part. A comparison with an argument of a behaviour is put together from both sides, as they are in
+    /// different texts.
+    fn text(&self, id: ExprId) -> String {
+        let slice = |id: ExprId| on_one_line(self.sources.slice(self.program.spans.exprs[id]));
+        let text = slice(id);
+        match self.program.exprs[id] {
+            Expr::Compare(op, a, b) if !text.contains(['<', '>', '=']) => {
+                format!("{} {} {}", slice(a), op.symbol(), slice(b))
+            }
+            _ => text,
+        }
     }
 
     pub fn atom(&self, id: ExprId) -> Atom {
@@ -213,7 +264,6 @@ impl Guards<'_> {
             }
             _ => None,
         };
-        let text = on_one_line(self.sources.slice(self.program.spans.exprs[id]));
-        Atom { text, held: self.truth(id), sides }
+        Atom { text: self.text(id), held: self.truth(id), sides }
     }
 }

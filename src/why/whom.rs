@@ -15,8 +15,11 @@ const MAX_NAMED: usize = 4;
 pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<String> {
     let me = moment.sim.instance(moment.after, slot);
     let Some(Touch { mine, other, side, .. }) = me.entity().touches.get(touch).copied() else { return Vec::new() };
-    let own: Vec<Bounds> =
-        me.colliders().filter(|(id, _)| me.entity().colliders[*id].tags.meets(mine)).map(|(_, b)| placed(me, b)).collect();
+    let own: Vec<Bounds> = me
+        .colliders()
+        .filter(|(id, _)| me.entity().colliders[*id].tags.meets(mine))
+        .map(|(_, b)| placed(me, b))
+        .collect();
     let meets = |there: &Bounds| own.iter().any(|own| is_at(own, there, side));
     let mut named = Vec::new();
     for instance in moment.sim.instances(moment.after) {

@@ -10,9 +10,11 @@ mod result;
 mod sweep;
 mod text;
 
-#[cfg(feature = "testing")]
-pub(in crate::cli) use {explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema};
 pub(in crate::cli) use text::counted;
+#[cfg(feature = "testing")]
+pub(in crate::cli) use {
+    explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,
+};
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;

@@ -38,7 +38,8 @@ impl<'a> ReachChanges<'a> {
         let question = |asked, origin| move |text: &'a String| ExtraQuestion { asked, world, text, origin };
         let goals = args.goal.iter().map(question(Asked::Goal, "--goal"));
         let nevers = args.never.iter().map(question(Asked::Never, NEVER));
-        let nowhere = args.explore.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
+        let nowhere =
+            args.explore.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
         let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
         ReachChanges {
             questions: goals.chain(nevers).chain(nowhere).collect(),

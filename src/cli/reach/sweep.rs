@@ -102,8 +102,14 @@ impl Watch for PointWatch<'_> {
 
 pub(super) fn run(args: &ReachArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
     let of = &args.corpus;
-    if args.explore || args.tree || args.save_inputs.is_some() || [&of.results, &of.junit, &of.baseline].iter().any(|path| path.is_some()) {
-        plain_error("a sweep is a table of verdicts: `--csv`, `--svg` and `--format json` write it, other files are not written")?;
+    if args.explore
+        || args.tree
+        || args.save_inputs.is_some()
+        || [&of.results, &of.junit, &of.baseline].iter().any(|path| path.is_some())
+    {
+        plain_error(
+            "a sweep is a table of verdicts: `--csv`, `--svg` and `--format json` write it, other files are not written",
+        )?;
         return Ok(Exit::Refused);
     }
     if args.map.len() > 1 || args.map.iter().any(|path| path.is_dir()) {
@@ -267,7 +273,8 @@ fn text(result: &SweepResult, sweep: &Sweep<'_>, questions: &[(Kind, String)], a
         let is_there = |verdict: &Conclusion| {
             (0..questions.len()).any(|index| points.iter().any(|point| point.verdict(index) == *verdict))
         };
-        let signs = shown.filter(is_there).filter_map(|verdict| Some(format!("{} {}", sign(verdict)?, verdict.words())));
+        let signs =
+            shown.filter(is_there).filter_map(|verdict| Some(format!("{} {}", sign(verdict)?, verdict.words())));
         signs.for_each(|sign| out.push_str(&format!(", {sign}")));
         out.push('\n');
     }

@@ -63,8 +63,8 @@ pub(super) fn run(args: &WhyArgs) -> io::Result<Exit> {
     let changes = Changes { numbers: &numbers, ..Changes::default() };
     let Some(mut loaded) = load_changed(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
-    let has_steps = args.at.is_some();
-    let Some(script) = script_of((&args.inputs, &args.inputs_file), has_steps, &mut loaded, world)? else {
+    let steps = (args.at.is_some(), "--at STEP");
+    let Some(script) = script_of((&args.inputs, &args.inputs_file), steps, &mut loaded, world)? else {
         return Ok(Exit::Refused);
     };
     let asked = slot(args, &loaded, world).and_then(|slot| Ok((slot, asked(args, &loaded, world, slot)?)));
@@ -79,9 +79,8 @@ pub(super) fn run(args: &WhyArgs) -> io::Result<Exit> {
     let inputs = (&script, args.chance.unwrap_or_default());
     let steps = args.at.unwrap_or(script.len());
     let answer = match &asked {
-        Some(asked) if args.not => {
-            nearly(&sim, &loaded.sources, inputs, steps, slot, (asked.mode, &asked.edges)).map(|found| (None, Some(found)))
-        }
+        Some(asked) if args.not => nearly(&sim, &loaded.sources, inputs, steps, slot, (asked.mode, &asked.edges))
+            .map(|found| (None, Some(found))),
         _ => why(&sim, &loaded.sources, inputs, steps, slot).map(|found| (Some(found), None)),
     };
     let (mut of_step, of_run) = match answer {
@@ -126,7 +125,8 @@ fn refused(loaded: &Loaded, world: WorldId, error: RunError, (steps, script): (u
         RunError::Fault(fault, step) => show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?,
         RunError::Over(slot, step) => {
             let name = &loaded.program.worlds[world].slots[slot].name;
-            let why = format!("there is no step {steps}: `{name}` leaves the bounds in step {step}, which ends the run");
+            let why =
+                format!("there is no step {steps}: `{name}` leaves the bounds in step {step}, which ends the run");
             let help = match script.len() {
                 length if length > step => format!("the script has {length} steps; give `--at {step}` or less"),
                 _ => format!("give `--at {step}` or less"),
@@ -221,7 +221,8 @@ fn edges_on(loaded: &Loaded, id: EntityId, text: &str) -> Result<Vec<EdgeId>, No
     let spans = loaded.program.spans.entities[id].edges.pairs().filter(|(_, span)| loaded.sources.holds(**span));
     let places: Vec<_> = spans.map(|(edge, span)| (edge, place(&loaded.sources, *span))).collect();
     let is_there = |at: &crate::why::Place| {
-        line.trim().parse() == Ok(at.line) && file.is_none_or(|file| at.path == file || at.path.ends_with(&format!("/{file}")))
+        line.trim().parse() == Ok(at.line)
+            && file.is_none_or(|file| at.path == file || at.path.ends_with(&format!("/{file}")))
     };
     let found: Vec<EdgeId> = places.iter().filter(|(_, at)| is_there(at)).map(|(edge, _)| *edge).collect();
     if !found.is_empty() {

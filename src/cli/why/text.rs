@@ -82,7 +82,8 @@ pub(super) fn why_text(head: &str, why: &Why, starts: Option<&[String]>, has_roo
     let name = paint.strong(&why.instance);
     let mut out = format!("{head}: {name} at step {} ({:.2} s){place}\n", why.step, why.seconds);
     if why.is_alive {
-        let modes = why.modes.iter().map(|mode| format!("{} ({})", paint.strong(&mode.mode), since(mode.since, why.step)));
+        let modes =
+            why.modes.iter().map(|mode| format!("{} ({})", paint.strong(&mode.mode), since(mode.since, why.step)));
         out.push_str(&block("mode", &modes.collect::<Vec<_>>(), ", "));
         let shown = |kind: &str| matches!(kind, "variable" | "discrete" | "reference" | "timer");
         let values = why.values.iter().filter(|value| shown(&value.kind)).map(|value| match value.kind.as_str() {
@@ -198,8 +199,9 @@ pub(super) fn nearly_text(head: &str, nearly: &Nearly, paint: Paint) -> String {
             out.push_str(&format!("    tried in {times}; its guard held in step {step}, but {instead}\n"));
             continue;
         }
-        let parts = if edge.missing.len() == 1 { "one part".to_string() } else { format!("{} parts", edge.missing.len()) };
-        out.push_str(&format!("    tried in {times}; nearest in step {step}, where {parts} of its guard was missing:\n"));
+        let parts =
+            if edge.missing.len() == 1 { "one part".to_string() } else { format!("{} parts", edge.missing.len()) };
+        out.push_str(&format!("    tried in {times}; nearest in step {step}, without {parts} of its guard:\n"));
         for missing in &edge.missing {
             let by = missing.distance.map_or(String::new(), |distance| format!(", {} apart", shown(distance)));
             out.push_str(&format!("        {} {}{}{by}\n", paint.no("×"), missing.atom.text, sides(&missing.atom)));

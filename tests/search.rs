@@ -5,6 +5,7 @@
 mod support;
 
 mod around;
+mod asked;
 mod border;
 mod chance;
 mod cli;
@@ -16,3 +17,4 @@ mod questions;
 mod reach;
 mod stop;
 mod verdicts;
+mod why;

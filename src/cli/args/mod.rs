@@ -45,7 +45,7 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
-    /// Explains a step of a run: which edge was taken, which part of a guard failed, since when.
+    /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),

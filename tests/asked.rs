@@ -10,7 +10,7 @@ use hypedc::compile::{Asked, Changes, ExtraQuestion, LevelFile, NumberSetting, c
 use hypedc::ir::WorldId;
 use serde_json::Value;
 
-use crate::support::{Disk, Text};
+use crate::support::Text;
 
 /// A jumper before a ledge, which is two rooms: no link leads to the second.
 const GAME: &str = "const width = 16
@@ -382,7 +382,6 @@ fn questions_of_the_library_are_names_or_predicates() {
         let world = &program.worlds[WorldId(0)];
         (world.goals.len(), world.nevers.len())
     };
-    let _ = &Disk;
     assert_eq!(asked("up", Asked::Goal), (2, 1));
     assert_eq!(asked("upp", Asked::Goal), (2, 1), "a name that nothing has is added nowhere");
     assert_eq!(asked("high", Asked::Goal), (3, 1), "a condition is a predicate");

@@ -125,7 +125,8 @@ fn the_edges_that_are_said_to_be_taken_are_those_of_the_simulator() {
             let found = why(&sim, &sources, (&inputs, 0), step, slot).unwrap();
             let mut told: Vec<usize> = found.edges.iter().filter(|edge| edge.taken).map(|edge| edge.edge).collect();
             let mut expected: Vec<usize> = edges.iter().map(|edge| edge.index()).collect();
-            (told.sort_unstable(), expected.sort_unstable());
+            told.sort_unstable();
+            expected.sort_unstable();
             assert_eq!(told, expected, "{name}, step {step}");
             taken += told.len();
             for edge in &found.edges {

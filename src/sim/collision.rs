@@ -322,6 +322,7 @@ impl Collision {
 
 impl Simulator {
     /// Detects all contacts and, with `push`, resolves the blocking ones; returns early if the meter stops it.
+    #[inline(always)]
     pub(super) fn collide(
         &self,
         state: &mut [u8],

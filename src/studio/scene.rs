@@ -1,6 +1,6 @@
 //! A world as the page draws it: what does not change, and a state.
 
-use crate::ir::{Bounds, Entity, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
+use crate::ir::{Bounds, Entity, EntityId, Id, Look, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
 use crate::sim::Simulator;
 
 use super::protocol::{
@@ -37,7 +37,7 @@ pub(super) fn scene(path: &str, sim: &Simulator) -> Scene {
         tags: program.tags.iter().cloned().collect(),
         players: world.players.pairs().map(player).collect(),
         spaces: world.spaces.pairs().map(|(id, _)| space_info(sim, id)).collect(),
-        entities: program.entities.iter().map(|entity| entity_info(world, entity)).collect(),
+        entities: program.entities.pairs().map(|(id, entity)| entity_info(sim, id, entity)).collect(),
         slots: world.slots.pairs().map(slot).collect(),
         goals: world.goals.iter().map(|goal| goal.name.clone()).collect(),
         nevers: world.nevers.iter().map(|never| never.name.clone()).collect(),
@@ -65,7 +65,14 @@ fn numbers(tags: TagSet) -> Vec<usize> {
     tags.iter().map(Id::index).collect()
 }
 
-fn entity_info(world: &World, entity: &Entity) -> EntityInfo {
+/// What static geometry with some tags looks like.
+fn look(sim: &Simulator, tags: TagSet) -> Option<Look> {
+    sim.program().looks.of_tags(sim.world_id(), tags).cloned()
+}
+
+fn entity_info(sim: &Simulator, id: EntityId, entity: &Entity) -> EntityInfo {
+    let world = sim.world();
+    let tags = entity.colliders.iter().map(|collider| collider.tags).fold(TagSet::default(), TagSet::with);
     let is_solid = |tags: TagSet| {
         let mut pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
         pushing.any(|line| line.left.meets(tags) || line.right.meets(tags))
@@ -78,6 +85,7 @@ fn entity_info(world: &World, entity: &Entity) -> EntityInfo {
     EntityInfo {
         name: entity.name.to_string(),
         doc: entity.doc.as_ref().map(ToString::to_string),
+        look: sim.program().looks.of_entity(id).cloned().or_else(|| look(sim, tags)),
         colliders: entity.colliders.iter().map(collider).collect(),
         modes: entity.modes.iter().map(|mode| mode.path.clone()).collect(),
     }
@@ -89,6 +97,7 @@ fn space_info(sim: &Simulator, id: crate::ir::SpaceId) -> SpaceInfo {
     let solid = |solid: &crate::ir::Solid| SolidInfo {
         tags: numbers(solid.tags),
         role: role(sim, solid.tags),
+        look: look(sim, solid.tags),
         area: corners(solid.bounds),
     };
     let link = |link: &crate::ir::Link| LinkInfo { area: corners(link.from), space: link.space.index() };
@@ -125,6 +134,7 @@ fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
         symbol: kind.symbol.to_string(),
         label: names(&kind.tags),
         role: role(sim, kind.tags.iter().copied().collect()),
+        look: look(sim, kind.tags.iter().copied().collect()),
         tags: tag_numbers(&kind.tags),
         slope: kind.slope.map(|slope| [0.0, slope.left, map.tile.0, slope.right]),
         breakable: kind.breakable.is_some(),

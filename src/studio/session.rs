@@ -95,6 +95,12 @@ impl Session {
         paths
     }
 
+    /// The pictures that the program names, by their paths from the folder of the program.
+    pub fn pictures(&self) -> Vec<String> {
+        let pictures = self.game.iter().flat_map(|game| game.program.looks.pictures());
+        pictures.map(str::to_string).collect()
+    }
+
     /// Answers a request.
     pub fn answer(&mut self, request: Request) -> Answer {
         self.respond(request).unwrap_or_else(|message| Answer::Refused { message })

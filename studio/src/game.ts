@@ -48,6 +48,8 @@ export class Game {
   readonly onShown = new Signal();
   readonly onMode = new Signal();
   readonly onTrouble = new Signal<string>();
+  /** The file of a picture has changed. */
+  readonly onPictures = new Signal();
 
   private owed = 0;
   /** The request to step that is under way. */

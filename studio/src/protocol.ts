@@ -83,6 +83,8 @@ export interface EntityInfo {
   colliders: ColliderInfo[];
   /** Its documentation. */
   doc: string | null;
+  /** Its look, if the program says one: that of a tag of its colliders counts as well. */
+  look: Look | null;
   /** The paths of its modes, such as `ground.walk`. */
   modes: string[];
   /** Its name. */
@@ -154,6 +156,8 @@ export interface LinkInfo {
   /** The space it leads to. */
   space: number;
 }
+
+export type Look = { color: string } | { picture: string };
 
 export interface MapInfo {
   /** For each cell, from the upper left one row by row, its kind, or -1. */
@@ -301,6 +305,8 @@ export interface SlotInfo {
 export interface SolidInfo {
   /** `[left, bottom, right, top]`, px. */
   area: [number, number, number, number];
+  /** Its look, if the program says one. */
+  look: Look | null;
   /** What it is for the players. */
   role: Role;
   /** Its tags. */
@@ -329,6 +335,8 @@ export interface TileInfo {
   breakable: boolean;
   /** What it is, in a few words. */
   label: string;
+  /** Its look, if the program says one. */
+  look: Look | null;
   /** What it is for the players. */
   role: Role;
   /** The ends of its slope within the tile, px: `[x1, y1, x2, y2]`. */

@@ -38,7 +38,7 @@ export class Paint implements Painter {
     const seen = new Map<string, { label: string; color: string }>();
     for (const map of maps) {
       for (const kind of map?.kinds ?? []) {
-        const paint = kind.tags.length > 0 ? stage.colors?.kind(kind.tags, kind.role).paint.fill : undefined;
+        const paint = kind.tags.length > 0 ? stage.colors?.kind(kind).paint.fill : undefined;
         if (!seen.has(kind.symbol)) seen.set(kind.symbol, { label: kind.label, color: paint ?? "transparent" });
       }
     }

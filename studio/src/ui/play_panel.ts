@@ -1,5 +1,6 @@
 // The first panel: the keys, what the colours mean, what is shown on request, and the run as a script.
 
+import type { Paint } from "../draw/colors.ts";
 import type { Stage } from "../draw/stage.ts";
 import type { Game } from "../game.ts";
 import { type Action, keyName } from "../input/actions.ts";
@@ -107,17 +108,19 @@ export class PlayPanel implements Panel {
     if (!colors || !scene) return;
     const words = { solid: "solid", one_way: "solid from above", sensed: "sensed", scenery: "no contact" };
     const used = new Set(scene.slots.map((slot) => slot.entity));
-    const swatch = (color: string, kind: string): HTMLElement => {
-      const element = h("span", { class: `swatch ${kind}` });
-      element.style.setProperty("--color", color);
+    const swatch = (paint: Paint, kind: string): HTMLElement => {
+      const picture = colors.picture(paint);
+      if (picture) return h("img", { class: "swatch picture", src: picture.src, alt: "" });
+      const element = h("span", { class: `swatch ${kind}${paint.isLook ? " look" : ""}` });
+      element.style.setProperty("--color", paint.fill);
       return element;
     };
     this.legend.replaceChildren(
       ...colors.kinds.map((kind) =>
-        h("li", {}, swatch(kind.paint.fill, kind.role), kind.name, h("span", { class: "quiet" }, ` ${words[kind.role]}`)),
+        h("li", {}, swatch(kind.paint, kind.role), kind.name, h("span", { class: "quiet" }, ` ${words[kind.role]}`)),
       ),
       ...[...used].map((entity) =>
-        h("li", {}, swatch(colors.entity(entity).fill, "body"), scene.entities[entity]!.name),
+        h("li", {}, swatch(colors.entity(entity), "body"), scene.entities[entity]!.name),
       ),
     );
   }

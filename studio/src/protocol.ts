@@ -4,6 +4,7 @@
 export type Request =
   | { ask: "open"; world?: string | null }
   | { ask: "reload" }
+  | { ask: "keep"; state: boolean }
   | { ask: "play"; inputs: Held[][] }
   | { ask: "seek"; frame: number }
   | { ask: "predict"; input: Held[]; steps: number }
@@ -183,7 +184,7 @@ export interface Opened {
   ghost: [number, number, number][][];
   /** Whether the program is the one of these texts; otherwise they have errors, and the last good one goes on. */
   is_current: boolean;
-  /** What could not be kept of the history, in a sentence. */
+  /** What could not be kept of the history or of the state, in a sentence. */
   lost: string | null;
   /** What does not change while the world runs; none if there was no program without errors yet. */
   scene: Scene | null;
@@ -257,8 +258,8 @@ export interface Searching {
   nodes: number;
   /** Places covered. */
   places: number;
-  /** The positions of new nodes since the last answer: `[space, x, y]`. */
-  points: [number, number, number][];
+  /** The new nodes since the last answer: `[space, x, y, x before, y before]`, with the position in the node before, or the same one again if that is in another space. */
+  points: [number, number, number, number, number][];
   /** The script that leads there from the first frame: the history up to where the search began, and what was found. */
   script: string | null;
   /** The verdict in a sentence, once it has ended. */
@@ -274,6 +275,8 @@ export interface Shown {
   events: EventInfo[];
   /** The frame that is shown. */
   frame: Frame;
+  /** Whether the first frame is a state that was carried over from the program before a change: no inputs lead there from the start of the world. */
+  is_carried: boolean;
   /** Number of frames of the history: the greatest number that can be sought. */
   length: number;
 }

@@ -56,8 +56,10 @@ export function colorAt(page, x, y) {
   return page.evaluate(
     ([x, y]) => {
       const { camera, canvas } = globalThis.studio.stage;
-      const pixel = canvas.getContext("2d").getImageData(camera.toX(x), camera.toY(y), 1, 1).data;
-      return [...pixel.slice(0, 3)];
+      // By a canvas of its own: reading often from the stage makes it slow, and Chromium warns.
+      const own = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+      own.drawImage(canvas, -Math.round(camera.toX(x)), -Math.round(camera.toY(y)));
+      return [...own.getImageData(0, 0, 1, 1).data.slice(0, 3)];
     },
     [x, y],
   );

@@ -107,8 +107,9 @@ pub struct Searching {
     pub budget: u64,
     /// Places covered.
     pub places: u64,
-    /// The positions of new nodes since the last answer: `[space, x, y]`.
-    pub points: Vec<[f64; 3]>,
+    /// The new nodes since the last answer: `[space, x, y, x before, y before]`, with the position in the node before, or
+    /// the same one again if that is in another space.
+    pub points: Vec<[f64; 5]>,
     /// The verdict in a sentence, once it has ended.
     pub verdict: Option<String>,
     /// `reached`, `not_found`, `unreachable`, …

@@ -23,6 +23,11 @@ pub enum Request {
     /// Compiles the files again, in the same world, and plays the inputs of the history again. With errors, the last
     /// good program goes on.
     Reload,
+    /// Says what goes on after a change of the program.
+    Keep {
+        /// The state of the current frame, by names; otherwise the inputs of the history are played again.
+        state: bool,
+    },
     /// Steps on from the current frame; what the history has after it is dropped.
     Play {
         /// The input of each step.
@@ -224,7 +229,7 @@ pub struct Opened {
     /// Of the same inputs with the program before: the positions of the players at each step, as in
     /// [`Answer::Predicted`]; empty if nothing was played.
     pub ghost: Vec<Vec<[f64; 3]>>,
-    /// What could not be kept of the history, in a sentence.
+    /// What could not be kept of the history or of the state, in a sentence.
     pub lost: Option<String>,
 }
 

@@ -191,6 +191,9 @@ pub struct Shown {
     pub length: u64,
     /// What happened in the last steps that were played.
     pub events: Vec<EventInfo>,
+    /// Whether the first frame is a state that was carried over from the program before a change: no inputs lead there
+    /// from the start of the world.
+    pub is_carried: bool,
     /// Why the run cannot go on: a player left the bounds, or a rule of the language was broken.
     pub ended: Option<String>,
 }

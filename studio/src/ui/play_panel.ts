@@ -5,6 +5,7 @@ import type { Stage } from "../draw/stage.ts";
 import type { Game } from "../game.ts";
 import { type Action, keyName } from "../input/actions.ts";
 import type { Inputs } from "../input/keys.ts";
+import { recall, remember } from "../memory.ts";
 import { button, h, section, toggle } from "./dom.ts";
 import type { Panel } from "./sidebar.ts";
 import type { Toasts } from "./toasts.ts";
@@ -42,6 +43,7 @@ export class PlayPanel implements Panel {
         shown("Grid", "grid"),
       ),
       section("This run", this.run()),
+      section("After a change of the text", this.afterChange()),
     );
     this.world.addEventListener("change", () => void game.open(this.world.value));
     game.onOpened.on((opened) => {
@@ -50,6 +52,25 @@ export class PlayPanel implements Panel {
     });
     inputs.onActions.on(() => this.showKeys());
     stage.onColors.on(() => this.showLegend());
+  }
+
+  /** What goes on when the program is another one. */
+  private afterChange(): HTMLElement {
+    const keeps = recall("keep") === "state";
+    if (keeps) void this.game.keep(true);
+    const radio = (value: string, text: string, isChecked: boolean): HTMLElement => {
+      const input = h("input", { type: "radio", name: "keep", value, checked: isChecked, onchange: () => {
+        remember("keep", value);
+        void this.game.keep(value === "state");
+      } });
+      return h("label", { class: "radio" }, input, text);
+    };
+    return h(
+      "div",
+      { class: "choices", role: "radiogroup", "aria-label": "After a change of the text" },
+      radio("inputs", "play the inputs again, with the run before as a ghost", !keeps),
+      radio("state", "go on from this state, by names", keeps),
+    );
   }
 
   private showKeys(): void {

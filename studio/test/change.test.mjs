@@ -65,6 +65,7 @@ test("the state goes on after a change, and the choice is remembered", async (t)
   await page.goto("about:blank");
   await page.goto(url);
   await until(page, "globalThis.studio?.game.frame");
+  await page.getByRole("tab", { name: "Play", exact: true }).click();
   assert.ok(await page.getByRole("radio", { name: /go on from this state/ }).isChecked(), "it is remembered");
   assert.deepEqual(errors, []);
 });

@@ -20,6 +20,7 @@ mod smb;
 mod start;
 mod studio;
 mod studio_keep;
+mod studio_looks;
 mod studio_protocol;
 mod trace;
 mod view;

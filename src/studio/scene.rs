@@ -1,11 +1,13 @@
 //! A world as the page draws it: what does not change, and a state.
 
-use crate::ir::{Bounds, Entity, EntityId, Id, Look, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
+use crate::ir::{
+    Bounds, Entity, EntityId, Id, Look, MapLook, Origin, Push, SlotId, Space, SpaceId, TagId, TagSet, TileMap, World,
+};
 use crate::sim::Simulator;
 
 use super::protocol::{
-    ColliderInfo, EntityInfo, Frame, LinkInfo, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo, SpaceInfo,
-    TileInfo,
+    ColliderInfo, EntityInfo, Frame, LinkInfo, MapArt, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo,
+    SpaceInfo, TileInfo,
 };
 
 /// The side of a space without anything in it, px.
@@ -91,7 +93,7 @@ fn entity_info(sim: &Simulator, id: EntityId, entity: &Entity) -> EntityInfo {
     }
 }
 
-fn space_info(sim: &Simulator, id: crate::ir::SpaceId) -> SpaceInfo {
+fn space_info(sim: &Simulator, id: SpaceId) -> SpaceInfo {
     let (world, space) = (sim.world(), &sim.world().spaces[id]);
     let corners = |b: Bounds| [b.left, b.bottom, b.right, b.top];
     let solid = |solid: &crate::ir::Solid| SolidInfo {
@@ -105,14 +107,14 @@ fn space_info(sim: &Simulator, id: crate::ir::SpaceId) -> SpaceInfo {
         name: space.name.clone(),
         extent: corners(space.extent().unwrap_or_else(|| extent_of_contents(world, space, id))),
         wraps: space.periods.each_ref().map(Option::is_some),
-        map: space.map.as_ref().map(|map| map_info(sim, map)),
+        map: space.map.as_ref().map(|map| map_info(sim, id, map)),
         solids: space.solids.iter().map(solid).collect(),
         links: space.links.iter().map(link).collect(),
     }
 }
 
 /// A rectangle around everything that is in a space at first.
-fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> Bounds {
+fn extent_of_contents(world: &World, space: &Space, id: SpaceId) -> Bounds {
     let fixed = space.solids.iter().map(|solid| solid.bounds).chain(space.links.iter().map(|link| link.from));
     let placed = world.slots.iter().filter(|slot| slot.space == id && slot.origin != Origin::Free).map(|slot| {
         let mut at = slot.vars.iter().map(|values| values[0]);
@@ -125,7 +127,7 @@ fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> B
     Bounds { left: all.left - MARGIN, right: all.right + MARGIN, bottom: all.bottom - MARGIN, top: all.top + MARGIN }
 }
 
-fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
+fn map_info(sim: &Simulator, space: SpaceId, map: &TileMap<TagId>) -> MapInfo {
     let names = |tags: &[TagId]| {
         let names: Vec<&str> = tags.iter().filter_map(|tag| sim.program().tags.get(*tag).map(String::as_str)).collect();
         if names.is_empty() { "empty".to_string() } else { names.join(", ") }
@@ -151,7 +153,14 @@ fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
         is_painted: false,
         kinds: map.kinds.iter().map(kind).collect(),
         cells,
+        art: sim.program().looks.of_map(sim.world_id(), space).map(|look| art(look, map.columns)),
     }
+}
+
+fn art(look: &MapLook, columns: usize) -> MapArt {
+    let MapLook { pictures, tiles, stacks, cells, .. } = look.clone();
+    let cells = cells.chunks(columns.max(1)).rev().flatten().copied().collect();
+    MapArt { pictures, tiles, stacks, cells }
 }
 
 /// A state.

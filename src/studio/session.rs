@@ -102,7 +102,8 @@ impl Session {
 
     /// The pictures that the program names, by their paths from the folder of the program.
     pub fn pictures(&self) -> Vec<String> {
-        let pictures = self.game.iter().flat_map(|game| game.program.looks.pictures());
+        let looks = self.game.iter().map(|game| &game.program.looks);
+        let pictures = looks.flat_map(|looks| looks.pictures().into_iter().chain(looks.tile_pictures()));
         pictures.map(str::to_string).collect()
     }
 

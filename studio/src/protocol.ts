@@ -160,7 +160,20 @@ export interface LinkInfo {
 
 export type Look = { color: string } | { picture: string };
 
+export interface MapArt {
+  /** For each cell, as in [`MapInfo::cells`], its stack. */
+  cells: number[];
+  /** The paths of pictures. */
+  pictures: string[];
+  /** What cells show, the lowest tile first. The first one is nothing. */
+  stacks: number[][];
+  /** Tiles: parts of pictures. */
+  tiles: TilePicture[];
+}
+
 export interface MapInfo {
+  /** What the cells show in the level editor that the map was made with, if that is known. */
+  art: MapArt | null;
   /** For each cell, from the upper left one row by row, its kind, or -1. */
   cells: number[];
   /** Number of columns. */
@@ -348,6 +361,15 @@ export interface TileInfo {
   symbol: string;
   /** Its tags. */
   tags: number[];
+}
+
+export interface TilePicture {
+  /** How it is mirrored: 4 along the diagonal from the upper left corner, then 1 horizontally, then 2 vertically; or a sum of these. */
+  mirrored?: number;
+  /** The part: left, top, width and height, pixels. */
+  part: [number, number, number, number];
+  /** The index of the picture. */
+  picture: number;
 }
 
 export interface Value {

@@ -79,6 +79,9 @@ pub(super) fn run(args: &PlayArgs, target: &Path) -> io::Result<Exit> {
             }
         }
     }
+    // A level is played without the pictures of its editor, too.
+    let tiles = program.looks.tile_pictures().into_iter();
+    project.pictures.extend(tiles.filter_map(|name| Some((name.to_string(), image(name, &args.file).ok()?.1))));
     let json = serde_json::to_string(&project).map_err(io::Error::other)?;
     let page = page(super::PAGE, &json, &engine).ok_or_else(|| io::Error::other("the page has no head"))?;
     if let Err(error) = fs::write(target, &page) {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::ir::Look;
+use crate::ir::{Look, TilePicture};
 
 /// What does not change while a world runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -117,6 +117,22 @@ pub struct MapInfo {
     pub kinds: Vec<TileInfo>,
     /// For each cell, from the upper left one row by row, its kind, or -1.
     pub cells: Vec<i32>,
+    /// What the cells show in the level editor that the map was made with, if that is known.
+    pub art: Option<MapArt>,
+}
+
+/// What the cells of a map show in its level editor.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct MapArt {
+    /// The paths of pictures.
+    pub pictures: Vec<String>,
+    /// Tiles: parts of pictures.
+    pub tiles: Vec<TilePicture>,
+    /// What cells show, the lowest tile first. The first one is nothing.
+    pub stacks: Vec<Vec<u16>>,
+    /// For each cell, as in [`MapInfo::cells`], its stack.
+    pub cells: Vec<u16>,
 }
 
 /// A kind of tile.

@@ -197,7 +197,12 @@ export class Colors {
 
   /** The picture that is drawn in place of a colour, once it is loaded. */
   picture(of: Paint): HTMLImageElement | null {
-    return of.picture === null ? null : (this.pictures?.get(of.picture) ?? null);
+    return of.picture === null ? null : this.pictureOf(of.picture);
+  }
+
+  /** The picture of a path, once it is loaded. */
+  pictureOf(path: string): HTMLImageElement | null {
+    return this.pictures?.get(path) ?? null;
   }
 
   /** What tiles and solids with some tags look like. */

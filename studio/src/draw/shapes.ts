@@ -1,6 +1,6 @@
 // The shapes of static things: walls, planks, tints and slopes, each in a rectangle of the canvas.
 
-import type { SpaceInfo } from "../protocol.ts";
+import type { SpaceInfo, TilePicture } from "../protocol.ts";
 import type { Colors, Kind } from "./colors.ts";
 
 /** What of a context is needed to draw into it. */
@@ -37,6 +37,30 @@ export const edgeOf = (w: number, h: number): number => Math.max(1, Math.round(M
 export function drawPicture(context: Context, picture: CanvasImageSource, { x, y, w, h }: Rect): void {
   context.imageSmoothingEnabled = false;
   context.drawImage(picture, x, y, w, h);
+  context.imageSmoothingEnabled = true;
+}
+
+/** Draws a tile of a level editor: larger ones stand on the lower left corner of their cell. */
+export function drawTile(
+  context: Context,
+  picture: CanvasImageSource,
+  { part: [left, top, width, height], mirrored = 0 }: TilePicture,
+  { x, y, w, h }: Rect,
+  tile: [number, number],
+): void {
+  const [across, down] = width === tile[0] && height === tile[1] ? [w, h] : [(w * width) / tile[0], (h * height) / tile[1]];
+  context.imageSmoothingEnabled = false;
+  if (mirrored === 0) {
+    context.drawImage(picture, left, top, width, height, x, y + h - down, across, down);
+  } else {
+    context.save();
+    context.translate(x + across / 2, y + h - down / 2);
+    // The diagonal is mirrored first, so it is the last transformation.
+    context.scale(mirrored & 1 ? -1 : 1, mirrored & 2 ? -1 : 1);
+    if (mirrored & 4) context.transform(0, 1, 1, 0, 0, 0);
+    context.drawImage(picture, left, top, width, height, -across / 2, -down / 2, across, down);
+    context.restore();
+  }
   context.imageSmoothingEnabled = true;
 }
 

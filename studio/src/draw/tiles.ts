@@ -12,6 +12,7 @@ import {
   drawSensed,
   drawSlopeEdge,
   drawSolids,
+  drawTile,
   drawWall,
   edgeOf,
   type Joins,
@@ -45,7 +46,7 @@ export class Scenery {
     private readonly space: SpaceInfo,
     private readonly colors: Colors,
   ) {
-    this.map = space.map ?? { cells: [], columns: 0, is_painted: false, kinds: [], rows: 0, tile: [16, 16] };
+    this.map = space.map ?? { art: null, cells: [], columns: 0, is_painted: false, kinds: [], rows: 0, tile: [16, 16] };
     const { cells, kinds } = this.map;
     const counts = kinds.map(() => 0);
     for (const cell of cells) if (cell >= 0) counts[cell] = counts[cell]! + 1;
@@ -154,6 +155,9 @@ export class Scenery {
     for (const isLast of [false, true]) {
       for (let row = fromRow; row <= toRow; row++) {
         for (let column = fromColumn; column <= toColumn; column++) {
+          if (!this.isBroken[row * map.columns + column] && map.art) {
+            if (isLast ? this.hasArt(column, row) : this.drawArt(context, column, row)) continue;
+          }
           const kind = this.at(column, row);
           if (!kind) continue;
           if (isLast) this.drawEdge(context, kind, column, row);
@@ -194,6 +198,28 @@ export class Scenery {
     const [width, height] = [this.map.tile[0] * this.scale, this.map.tile[1] * this.scale];
     const [x, y] = [Math.round(column * width), Math.round(row * height)];
     return { x, y, w: Math.round((column + 1) * width) - x, h: Math.round((row + 1) * height) - y };
+  }
+
+  /** Whether a cell shows something of the level editor. */
+  private hasArt(column: number, row: number): boolean {
+    const { art } = this.map;
+    const stack = art?.stacks[art.cells[row * this.map.columns + column] ?? 0] ?? [];
+    return stack.length > 0 && stack.every((index) => this.colors.pictureOf(art!.pictures[art!.tiles[index]!.picture]!));
+  }
+
+  /** Draws what a cell shows in the level editor; returns false if that is nothing, or is not loaded. */
+  private drawArt(context: Context, column: number, row: number): boolean {
+    const { art } = this.map;
+    const stack = art?.stacks[art.cells[row * this.map.columns + column] ?? 0] ?? [];
+    if (!art || stack.length === 0) return false;
+    const rect = this.rect(column, row);
+    for (const index of stack) {
+      const tile = art.tiles[index]!;
+      const picture = this.colors.pictureOf(art.pictures[tile.picture]!);
+      if (!picture) return false;
+      drawTile(context, picture, tile, rect, this.map.tile);
+    }
+    return true;
   }
 
   private drawCell(context: Context, kind: Kind, column: number, row: number): void {

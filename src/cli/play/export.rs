@@ -19,6 +19,7 @@ use crate::source::{Files, ReadError};
 use super::super::Exit;
 use super::super::args::PlayArgs;
 use super::super::disk::Disk;
+use super::super::pictures::image;
 use super::super::report::{plain_error, show};
 
 /// The engine, packed by gzip.
@@ -40,6 +41,8 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsaf
 #[derive(Debug, Serialize)]
 struct Project {
     files: BTreeMap<String, String>,
+    /// The pictures that the program names, as addresses that hold the whole files.
+    pictures: BTreeMap<String, String>,
     root: String,
     map: Option<String>,
     legend: Option<String>,
@@ -66,14 +69,32 @@ pub(super) fn run(args: &PlayArgs, target: &Path) -> io::Result<Exit> {
         plain_error(&format!("`{}` has no world to play", args.file.display()))?;
         return Ok(Exit::Refused);
     }
-    let project = project(&args.file, level, recorder.texts.into_inner())?;
+    let mut project = project(&args.file, level, recorder.texts.into_inner())?;
+    for name in program.looks.pictures() {
+        match image(name, &args.file) {
+            Ok((_, address)) => drop(project.pictures.insert(name.to_string(), address)),
+            Err(why) => {
+                plain_error(&why)?;
+                return Ok(Exit::Refused);
+            }
+        }
+    }
+    // A level is played without the pictures of its editor, too.
+    let tiles = program.looks.tile_pictures().into_iter();
+    project.pictures.extend(tiles.filter_map(|name| Some((name.to_string(), image(name, &args.file).ok()?.1))));
     let json = serde_json::to_string(&project).map_err(io::Error::other)?;
     let page = page(super::PAGE, &json, &engine).ok_or_else(|| io::Error::other("the page has no head"))?;
     if let Err(error) = fs::write(target, &page) {
         plain_error(&format!("cannot write `{}`: {error}", target.display()))?;
         return Ok(Exit::Refused);
     }
-    writeln!(io::stdout(), "{}: {} kB, {} files", target.display(), page.len().div_ceil(1000), project.files.len())?;
+    writeln!(
+        io::stdout(),
+        "{}: {} kB, {} files",
+        target.display(),
+        page.len().div_ceil(1000),
+        project.files.len() + project.pictures.len()
+    )?;
     Ok(Exit::Yes)
 }
 
@@ -129,6 +150,7 @@ fn project(root: &Path, level: LevelFile<'_>, texts: BTreeMap<PathBuf, String>) 
     let files = texts.into_iter().map(|(path, text)| Ok((name(&path)?, text)));
     Ok(Project {
         files: files.collect::<io::Result<_>>()?,
+        pictures: BTreeMap::new(),
         root: name(root)?,
         map: level.map.map(name).transpose()?,
         legend: level.legend.map(name).transpose()?,

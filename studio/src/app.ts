@@ -124,7 +124,8 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   function showTouch(isShown: boolean): void {
     touch.element.hidden = !isShown;
   }
-  if (matchMedia("(pointer: coarse)").matches) showTouch(true);
+  // Beside a report there is no room for them at first.
+  if (!report && matchMedia("(pointer: coarse)").matches) showTouch(true);
 
   // The game has the keys unless something else that takes them has the focus.
   const takesKeys = (event: KeyboardEvent): boolean => {

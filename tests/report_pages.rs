@@ -79,7 +79,8 @@ fn a_page_says_what_is_printed_and_its_inputs_lead_there() {
 
 #[test]
 fn a_proof_has_its_reason_and_no_inputs() {
-    let (report, ..) = reported("link", &["reach", "examples/link.hyped", "--goal", "treasure", "--without", "hero.keys > 0"]);
+    let (report, ..) =
+        reported("link", &["reach", "examples/link.hyped", "--goal", "treasure", "--without", "hero.keys > 0"]);
     let way = &report["ways"][0];
     assert_eq!((&way["tone"], &way["witness"]), (&Value::from("proof"), &Value::Null));
     assert!(way["lines"][0].as_str().unwrap().contains("never holds"), "{way}");
@@ -92,7 +93,7 @@ fn the_page_of_a_run_carries_what_nature_drew() {
     let file = temporary("coins.hyped");
     let text = "entity Gambler {
             chance roll: 1..6
-            discrete sum: int = 0
+            discrete sum: int 0..60 = 0
             always { when roll > 0 { sum += roll } }
             mode playing { }
         }

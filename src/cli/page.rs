@@ -118,7 +118,12 @@ impl Way {
 
 impl Witness {
     /// Runs a script; what it leaves open is drawn from the seed `chance`. Returns nothing if it was stopped.
-    pub fn run(sim: &Simulator, run: (&Script, Option<u64>), steps: u64, watch: &dyn Watch) -> io::Result<Option<Self>> {
+    pub fn run(
+        sim: &Simulator,
+        run: (&Script, Option<u64>),
+        steps: u64,
+        watch: &dyn Watch,
+    ) -> io::Result<Option<Self>> {
         let mut script = Script::default();
         let mut ghost = vec![(Vec::new(), true); sim.world().players.len()];
         let ended = drive(sim, run, steps, watch, &mut |step, input, state, _| {

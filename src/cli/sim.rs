@@ -79,7 +79,11 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     };
     let mut report = Report::new(&sim);
     let draws = args.svg.is_some() || carried.is_some();
-    let images = if draws || args.animation.gif.is_some() { pictures::images(&loaded.program, file) } else { Ok(Images::default()) };
+    let images = if draws || args.animation.gif.is_some() {
+        pictures::images(&loaded.program, file)
+    } else {
+        Ok(Images::default())
+    };
     let images = match images {
         Ok(images) => images,
         Err(why) => {

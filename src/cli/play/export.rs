@@ -169,6 +169,10 @@ impl Files for Recorder {
     fn identity(&self, path: &Path) -> PathBuf {
         Disk.identity(path)
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        Disk.bad_picture(path)
+    }
 }
 
 /// The files by names that say nothing about the machine: relative to the folder of the program.

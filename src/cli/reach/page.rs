@@ -2,8 +2,8 @@
 
 use std::io;
 
-use crate::reach::query::{Answer, Found, Kind, Session};
 use crate::reach::Conclusion;
+use crate::reach::query::{Answer, Found, Kind, Session};
 use crate::sim::{Script, Simulator};
 use crate::view::{Images, cells};
 use crate::watch::Watch;
@@ -61,13 +61,7 @@ pub(super) fn violations(
 }
 
 /// Runs the inputs of a way.
-fn show(
-    way: &mut Way,
-    kind: Kind,
-    sim: &Simulator,
-    run: (&Script, Option<u64>),
-    watch: &dyn Watch,
-) -> io::Result<()> {
+fn show(way: &mut Way, kind: Kind, sim: &Simulator, run: (&Script, Option<u64>), watch: &dyn Watch) -> io::Result<()> {
     way.witness = Witness::run(sim, run, run.0.len(), watch)?;
     let (text, tone) = match kind {
         Kind::Goal => ("reached", Tone::Good),

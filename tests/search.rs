@@ -14,5 +14,6 @@ mod guard;
 mod pictures;
 mod questions;
 mod reach;
+mod report_pages;
 mod stop;
 mod verdicts;

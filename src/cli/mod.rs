@@ -21,6 +21,7 @@ mod ir;
 #[cfg(feature = "lsp")]
 mod lsp;
 mod new;
+mod page;
 mod pictures;
 mod play;
 mod reach;

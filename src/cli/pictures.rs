@@ -93,14 +93,13 @@ pub(super) fn marks(sim: &Simulator, goals: &[Option<u64>], nevers: &[Option<u64
     goals.chain(nevers).collect()
 }
 
-/// Writes the picture of a run.
-pub(super) fn save_svg(
-    path: &Path,
+/// The picture of a run.
+pub(super) fn run_svg(
     (program, world): (&Program, WorldId),
     run: &Run,
     outcome: &Outcome<'_>,
     images: &Images,
-) -> io::Result<()> {
+) -> String {
     let goals: Vec<GoalId> = program.worlds[world].goals.ids().collect();
     let mut notes: Vec<String> = outcome.end.iter().cloned().collect();
     if !outcome.script.is_empty() {
@@ -117,5 +116,5 @@ pub(super) fn save_svg(
         notes: &notes,
         images,
     };
-    std::fs::write(path, picture_svg(program, world, &picture))
+    picture_svg(program, world, &picture)
 }

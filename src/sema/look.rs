@@ -67,7 +67,7 @@ impl Checker<'_> {
     }
 
     /// A path as written is relative to the file that it is written in; a look's is relative to the program.
-    fn picture(&self, path: &Name) -> Result<Look, WhyNoLook> {
+    fn picture(&mut self, path: &Name) -> Result<Look, WhyNoLook> {
         let text = path.text.as_str();
         let is_inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
         let is_absolute = text.starts_with(['/', '\\']) || text.contains(':');
@@ -79,7 +79,13 @@ impl Checker<'_> {
             return Err(WhyNoLook::NoPng);
         }
         let folder = |id: FileId| self.sources.file(id).path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Look::Picture(relative(&folder(self.root), &folder(path.span.file()).join(text))))
+        let file = folder(path.span.file()).join(text);
+        let look = Look::Picture(relative(&folder(self.root), &file));
+        // A behaviour's is met wherever it is used.
+        if self.checked.pictures.iter().all(|(known, _)| known.span != path.span) {
+            self.checked.pictures.push((path.clone(), file));
+        }
+        Ok(look)
     }
 }
 

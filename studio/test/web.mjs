@@ -159,6 +159,77 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
   assert.deepEqual(errors, []);
 });
 
+/** Opens the report of a command without a network. */
+async function reported(t, args, options = {}) {
+  const path = join(folder, `report-${args.join("-").replaceAll(/[^\w]+/g, "-")}.html`);
+  run([...args, "--html", path, "--engine", engine], [0, 1]);
+  const opened = await open(chromium, pathToFileURL(path).href, { offline: true, ...options });
+  t.after(() => opened.context.close());
+  return opened;
+}
+
+test("the report of a search: verdicts, their ways, where the search was", async (t) => {
+  const { page, errors } = await reported(t, ["reach", "examples/platforms.hyped"]);
+  assert.equal(await page.getByRole("tab", { name: "Report" }).getAttribute("aria-selected"), "true");
+  const answers = page.locator(".ways button");
+  await answers.first().waitFor();
+  const count = await answers.count();
+  assert.ok(count >= 3, `${count} answers`);
+  for (let at = 0; at < count; at += 1) {
+    await answers.nth(at).click();
+    await until(page, "globalThis.studio.game.length > 0 && globalThis.studio.game.frame.at === 0");
+    const [kind, name] = (await answers.nth(at).locator(".what").textContent()).split(" ");
+    // The last frame is that of the claim.
+    await page.locator(".moment").last().click();
+    await until(page, "globalThis.studio.game.frame.at === globalThis.studio.game.length");
+    const scene = await game(page, "scene");
+    const frame = await game(page, "frame");
+    const [names, held] = kind === "never" ? [scene.nevers, frame.nevers] : [scene.goals, frame.goals];
+    assert.ok(held.map((of) => names[of]).includes(name), `${kind} ${name}`);
+  }
+  await answers.first().click();
+  await until(page, "globalThis.studio.game.frame.at === 0");
+  await page.getByRole("button", { name: "Play the way" }).click();
+  await until(page, "globalThis.studio.game.mode === 'replay' && globalThis.studio.game.frame.at > 20");
+  await page.getByRole("button", { name: "Whole level" }).click();
+  await page.locator("dialog img").waitFor();
+  assert.ok((await page.evaluate("document.querySelector('dialog img').naturalWidth")) > 400, "the picture is there");
+  await page.getByRole("button", { name: "Close", exact: true }).click();
+  // A key takes over.
+  await page.locator(".stage canvas").focus();
+  await page.keyboard.press("KeyP");
+  await page.keyboard.down("ArrowLeft");
+  await until(page, "globalThis.studio.game.mode === 'live'");
+  await page.keyboard.up("ArrowLeft");
+  assert.equal(await page.locator(".toast.bad").count(), 0);
+  assert.deepEqual(errors, []);
+});
+
+test("the report of a proof, and of a run", async (t) => {
+  const proof = ["reach", "examples/link.hyped", "--goal", "treasure", "--without", "hero.keys > 0"];
+  const { page, errors } = await reported(t, proof);
+  await page.locator(".verdict.proof").getByText("proven unreachable").waitFor();
+  await page.getByText("never holds").waitFor();
+  assert.equal(await page.getByRole("button", { name: "Play the way" }).count(), 0);
+  assert.deepEqual(errors, []);
+  const run = ["sim", "examples/mario.hyped", "--inputs-file", "examples/inputs/mario.inputs"];
+  const second = await reported(t, run);
+  await until(second.page, "globalThis.studio.game.length > 1000");
+  await second.page.getByRole("button", { name: /goal fiery/ }).click();
+  await until(second.page, "globalThis.studio.game.frame.goals.includes(globalThis.studio.game.scene.goals.indexOf('fiery'))");
+  assert.deepEqual(second.errors, []);
+});
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`axe finds nothing in a report, ${colorScheme}`, async (t) => {
+    const { page } = await reported(t, ["reach", "examples/paper/test2.hyped"], { colorScheme, bypassCSP: true });
+    await page.locator(".moment").first().waitFor();
+    await page.addScriptTag({ path: axe });
+    const { violations } = await page.evaluate("axe.run(document)");
+    assert.deepEqual(violations.map((of) => `${of.id}: ${of.nodes.map((node) => node.html).slice(0, 3).join(" ")}`), []);
+  });
+}
+
 test("a search runs beside the play", async (t) => {
   const { page, errors } = await playing(t, "paper/test2");
   const asked = (request) => page.evaluate((of) => globalThis.studio.game.carrier.ask(of), request);

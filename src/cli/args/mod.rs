@@ -2,6 +2,7 @@
 
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
+pub(in crate::cli) mod page;
 
 use std::path::PathBuf;
 
@@ -11,6 +12,7 @@ use crate::reach::{Planner, Restart};
 
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
+pub(in crate::cli) use page::PageArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
@@ -237,6 +239,8 @@ pub(in crate::cli) struct SimArgs {
     pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub animation: GifArgs,
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Fails unless this goal has held by the end of the run.
     #[arg(long, value_name = "GOAL")]
     pub expect: Vec<String>,
@@ -247,7 +251,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "expect", "expect_not"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "expect", "expect_not"]
     )]
     pub replay: Option<PathBuf>,
 }
@@ -389,6 +393,8 @@ pub(in crate::cli) struct ReachArgs {
     /// Adds all nodes to the JSON result.
     #[arg(long, help_heading = "The result")]
     pub tree: bool,
+    #[command(flatten)]
+    pub page: PageArgs,
     #[command(flatten)]
     pub corpus: CorpusArgs,
 }

@@ -2,7 +2,7 @@
 //! searched. The page speaks to a session of [`crate::studio`] over a WebSocket.
 
 mod carrier;
-mod export;
+pub(in crate::cli) mod export;
 mod files;
 mod guard;
 mod language;

@@ -142,6 +142,15 @@ export class Overlays {
     this.points += points.length;
   }
 
+  /** Adds cells of 8 px that were counted elsewhere: space, column, row, count. */
+  addCells(cells: [number, number, number, number][]): void {
+    for (const [space, column, row, count] of cells) {
+      const [map, key] = [this.heat[space], row * 65536 + column];
+      if (map) map.set(key, (map.get(key) ?? 0) + count);
+      this.points += count;
+    }
+  }
+
   private draw(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
     const { colors, ratio, shows } = this.stage;
     if (!colors) return;

@@ -213,6 +213,9 @@ impl<'a> SearchContext<'a> {
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
         self.record(root, root);
+        if let Some(observer) = self.problem.observer() {
+            observer.see(self.problem.sim, &self.starts[start].state, &self.scratch);
+        }
         self.check_root(start);
         root
     }
@@ -298,7 +301,14 @@ impl<'a> SearchContext<'a> {
             if let Some(luck) = &self.luck {
                 self.notes.has_open_draws |= luck.leaves_open(self.problem.sim, &self.scratch);
             }
-            match stepped.and_then(|()| self.problem.judge(&self.work)) {
+            let judged = stepped.and_then(|()| self.problem.judge(&self.work));
+            // A state that ends a run was reached, too.
+            if let Some(observer) = self.problem.observer()
+                && matches!(judged, Ok(StateStatus::Open | StateStatus::Dead(Termination::Never(_))))
+            {
+                observer.see(self.problem.sim, &self.work, &self.scratch);
+            }
+            match judged {
                 // Comparisons of a position take effect in the next step: one state beyond the window is simulated,
                 // whatever the speed.
                 Ok(StateStatus::Open) => match self.windows.left(self.problem, &self.work) {

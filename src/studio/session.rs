@@ -39,6 +39,8 @@ const SEARCHED: &str = "searched";
 /// A play session.
 pub struct Session {
     project: Project,
+    /// The numbers that are set when the program is opened, by their paths.
+    preset: Vec<(String, f64)>,
     game: Option<Game>,
     search: Option<Search>,
     spawn: Box<dyn Fn(Task) + Send>,
@@ -72,6 +74,7 @@ impl Session {
         let project = Project::new(files, root, level);
         Session {
             project,
+            preset: Vec::new(),
             game: None,
             search: None,
             spawn,
@@ -83,6 +86,12 @@ impl Session {
             worlds: Vec::new(),
             undone: Vec::new(),
         }
+    }
+
+    /// Sets numbers whenever the program is opened, as their sliders do: `Hero.speed` to 3. One that is no literal of the
+    /// program has no slider, and stays.
+    pub fn preset(&mut self, numbers: Vec<(String, f64)>) {
+        self.preset = numbers;
     }
 
     /// Tells a listener how far searches are, in addition to [`Request::Poll`].
@@ -116,6 +125,14 @@ impl Session {
         match request {
             Request::Open { world } => {
                 self.project.forget_adjusted();
+                for (path, value) in &self.preset {
+                    let files = self.project.files(true);
+                    let set = sliders::set_named(&self.project.root, &files, path, *value);
+                    drop(files);
+                    if let Some((path, text)) = set {
+                        self.project.adjust(path, text);
+                    }
+                }
                 self.game = None;
                 self.compile(world.as_deref())
             }

@@ -52,12 +52,14 @@ enum FileAnswer {
 pub(super) struct Carrier {
     root: PathBuf,
     level: Level,
+    /// The numbers that are set at first.
+    numbers: Vec<(String, f64)>,
 }
 
 impl Carrier {
-    pub fn new(args: &PlayArgs) -> Carrier {
+    pub fn new(args: &PlayArgs, numbers: Vec<(String, f64)>) -> Carrier {
         let (map, legend) = (args.level.map.clone(), args.level.reading.legend.clone());
-        Carrier { root: args.file.clone(), level: Level { map, legend, tile: args.level.reading.tile } }
+        Carrier { root: args.file.clone(), level: Level { map, legend, tile: args.level.reading.tile }, numbers }
     }
 
     /// Turns a request into a WebSocket, and serves it until it is closed.
@@ -86,6 +88,7 @@ impl Carrier {
             std::thread::spawn(task);
         };
         let mut session = Session::new(Box::new(Disk), self.root.clone(), self.level.clone(), Box::new(spawn));
+        session.preset(self.numbers.clone());
         let mut seen = Seen::default();
         exchange(socket, |text| self.answer(&mut session, &mut seen, text))
     }

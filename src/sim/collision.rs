@@ -321,6 +321,18 @@ impl Collision {
 }
 
 impl Simulator {
+    /// As [`Simulator::collide`], where a call matters little: a copy less to compile.
+    #[inline(never)]
+    pub(super) fn collide_apart(
+        &self,
+        state: &mut [u8],
+        scratch: &mut StepScratch,
+        push: bool,
+        meter: &Meter<'_>,
+    ) -> Result<(), Fault> {
+        self.collide(state, scratch, push, meter)
+    }
+
     /// Detects all contacts and, with `push`, resolves the blocking ones; returns early if the meter stops it.
     #[inline(always)]
     pub(super) fn collide(

@@ -380,7 +380,11 @@ impl Simulator {
         }
         self.transitions::<STILL>(state, scratch)?;
         self.flow::<STILL>(state, scratch)?;
-        self.collide(state, scratch, true, meter)?;
+        if STILL {
+            self.collide_apart(state, scratch, true, meter)?;
+        } else {
+            self.collide(state, scratch, true, meter)?;
+        }
         if self.lives_change {
             self.remove_destroyed(state, scratch);
         }

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Bounce, Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Program, Push, Response, Shape, Side,
-    SlotId, Solid, SpaceId, TagSet, World,
+    Bounce, Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Program, Push, Shape, Side, SlotId, Solid,
+    SpaceId, TagSet, World,
 };
 
 use crate::watch::Meter;
@@ -19,6 +19,7 @@ use super::broad_phase::{BroadPhase, Sweep, each, is_few};
 use super::chance::Frames;
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::covered_faces::Adjacency;
+use super::encounter::Encounter;
 use super::fault::Fault;
 use super::seam::{Images, MAX_IMAGES, Seams, solids};
 use super::simulator::{Scratch as StepScratch, Simulator};
@@ -103,57 +104,6 @@ pub(super) struct Kind {
     pub meets_tiles: Vec<bool>,
     /// For each space, whether it can touch any free-standing rectangle.
     pub meets_solids: Vec<bool>,
-}
-
-/// The contact rule between a body and something else.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Encounter {
-    pub meeting: Meeting,
-    /// The tags of the other.
-    pub tags: TagSet,
-    /// The contact bits that a contact sets, for each side of the body: those of the first 64 queries that are not
-    /// bound.
-    bits: [u64; 4],
-    /// Whether there are further bits to set.
-    pub more: bool,
-    /// How it stops velocities, as in [`super::contact::Stops`].
-    pub stop: u16,
-}
-
-impl Encounter {
-    fn new(world: &World, bounces: &[Bounce], entity: &Entity, mine: TagSet, tags: TagSet) -> Option<Self> {
-        let meeting = world.meeting(mine, tags)?;
-        let Response { stop, bounce, .. } = meeting.response;
-        let stop = if stop { 1 + bounces.partition_point(|weaker| *weaker < bounce) as u16 } else { 0 };
-        let mut bits = [0; 4];
-        let mut more = false;
-        for (id, touch) in entity.touches.pairs() {
-            if !touch.mine.meets(mine) || !tags.meets(TagSet::of(touch.other)) {
-                continue;
-            }
-            if touch.bound || id.index() >= 64 {
-                more = true;
-                continue;
-            }
-            for side in Side::ALL {
-                if touch.side.is_none_or(|wanted| wanted == side) {
-                    bits[side as usize] |= 1 << id.index();
-                }
-            }
-        }
-        Some(Encounter { meeting, tags, bits, more, stop })
-    }
-
-    /// Whether a contact sets no contact bit of the body.
-    pub fn is_unread(&self) -> bool {
-        !self.more && self.bits == [0; 4]
-    }
-
-    /// Whether a contact has no effect on the body.
-    fn is_idle(&self) -> bool {
-        let response = self.meeting.response;
-        response.push == Push::Sense && !response.carry && self.is_unread()
-    }
 }
 
 /// Cost of moving an instance or a box, in units of work.

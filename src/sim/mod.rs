@@ -15,6 +15,7 @@ mod contact;
 mod continuous;
 mod covered_faces;
 mod discrete;
+mod encounter;
 mod envelope;
 mod evaluate;
 mod event;

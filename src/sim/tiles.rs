@@ -7,8 +7,9 @@ use crate::ir::{Bounds, Id, Push, Side, Slope, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
 use super::breakable::Breakables;
-use super::collision::{Body, Encounter};
+use super::collision::Body;
 use super::contact::{Displacement, Overlap, Rect, TOLERANCE, meet};
+use super::encounter::Encounter;
 use super::seam::Around;
 use super::simulator::Simulator;
 use super::slope::Line;

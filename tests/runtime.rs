@@ -19,6 +19,7 @@ mod slopes;
 mod smb;
 mod start;
 mod studio;
+mod studio_memory;
 mod studio_protocol;
 mod trace;
 mod view;

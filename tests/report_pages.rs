@@ -36,10 +36,10 @@ fn reported(name: &str, arguments: &[&str]) -> (Value, Value, String) {
     (data("report"), data("project"), out)
 }
 
-/// The last line of a run with these inputs that is about a goal.
+/// What is printed about a run with these inputs.
 fn end(file: &str, script: &str) -> String {
-    let (_, out, error) = run(&["sim", file, "--inputs", script]);
-    assert_eq!(error, "");
+    let (code, out, error) = run(&["sim", file, "--inputs", script]);
+    assert!(code < 2, "{error}");
     out
 }
 

@@ -1,6 +1,8 @@
 //! The compiler driver: files, syntax trees, checked program, flat IR. All entry points use it; `check_with` adds the
 //! analysis of values.
 
+mod changes;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -14,10 +16,12 @@ use crate::level::{Format, read_dependencies};
 use crate::lint;
 use crate::sema::checked::Checked;
 use crate::sema::{self, Level};
-use crate::source::{FileId, Files, SourceMap, Span};
+use crate::source::{FileId, Files, SourceMap};
 use crate::syntax;
-use crate::syntax::ast::{self, MapSource, Name, Question};
+use crate::syntax::ast::{self, MapSource};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
+
+pub use changes::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, is_name, question_name};
 
 /// The result of compiling a file and its imports.
 #[derive(Debug, Clone)]
@@ -28,19 +32,6 @@ pub struct Compilation {
     pub program: Option<Arc<Program>>,
     /// All findings.
     pub diagnostics: Diagnostics,
-}
-
-/// A predicate that may never hold, in addition to those of the program.
-#[derive(Debug, Clone, Copy)]
-pub struct ExtraConstraint<'a> {
-    /// The world; none: all of the file.
-    pub world: Option<&'a str>,
-    /// Its name.
-    pub name: &'a str,
-    /// Its text.
-    pub predicate: &'a str,
-    /// The name of its source in findings.
-    pub origin: &'a str,
 }
 
 /// The options of the command line for the maps of worlds that leave theirs open.
@@ -86,7 +77,12 @@ pub fn compile_constrained(
     constraint: Option<ExtraConstraint<'_>>,
     files: &dyn Files,
 ) -> Compilation {
-    stages(root, level, constraint, files, Occurrences::default()).0.0
+    compile_changed(root, level, &Changes { constraint, ..Changes::default() }, files)
+}
+
+/// As [`compile_with`], with changes of the program: further questions, and numbers that are set.
+pub fn compile_changed(root: &Path, level: LevelFile<'_>, changes: &Changes<'_>, files: &dyn Files) -> Compilation {
+    stages(root, level, changes, files, Occurrences::default()).0.0
 }
 
 /// A compilation with the names that its stages resolved: for editors.
@@ -102,7 +98,8 @@ pub struct IdeCompilation {
 
 /// As [`compile`], and keeps the resolved names.
 pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
-    let ((mut compilation, mut checked), trees) = stages(root, LevelFile::default(), None, files, Occurrences::kept());
+    let ((mut compilation, mut checked), trees) =
+        stages(root, LevelFile::default(), &Changes::default(), files, Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
     occurrences.extend(sema::names_of_unused(trees, &mut compilation.sources, &occurrences));
     occurrences.sort_unstable();
@@ -114,22 +111,15 @@ pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
 fn stages(
     root: &Path,
     level: LevelFile<'_>,
-    constraint: Option<ExtraConstraint<'_>>,
+    changes: &Changes<'_>,
     files: &dyn Files,
     mut occurrences: Occurrences,
 ) -> ((Compilation, Checked), Vec<ast::File>) {
     let mut sources = SourceMap::new();
     let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
-    if let Some(constraint) = constraint {
-        let file = sources.add(Path::new(constraint.origin), constraint.predicate);
-        let (predicate, found) = syntax::parse_predicate(file, constraint.predicate);
-        diagnostics.append(found);
-        if let (Some(root), Some(predicate)) = (trees.first_mut(), predicate) {
-            let name = Name { text: constraint.name.into(), span: Span::new(file, 0, constraint.predicate.len()) };
-            root.add_never(&Question { name, predicate }, constraint.world);
-        }
-    }
+    changes::add_questions(changes, &mut trees, &mut sources, &mut diagnostics);
     diagnostics.append(syntax::expand(&mut trees, &mut sources, &mut occurrences));
+    changes::set_numbers(changes, &mut trees, &mut sources, &mut diagnostics);
     for tree in &trees {
         for map in tree.maps() {
             let (format, path, part) = match &map.source {

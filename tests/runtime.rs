@@ -19,6 +19,8 @@ mod slopes;
 mod smb;
 mod start;
 mod studio;
+mod studio_keep;
+mod studio_looks;
 mod studio_memory;
 mod studio_protocol;
 mod trace;

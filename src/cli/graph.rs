@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::compile::LevelFile;
+use crate::compile::{Changes, LevelFile};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::graph::{Chart, chart, dot, mermaid, svg};
@@ -10,10 +10,16 @@ use crate::ir::EntityId;
 
 use super::Exit;
 use super::args::{GraphArgs, GraphFormat};
-use super::report::{Loaded, load, show_fact};
+use super::report::{Loaded, load_changed, plain_error, show_fact};
 
 pub(super) fn run(args: &GraphArgs) -> io::Result<Exit> {
-    let Some(loaded) = load(&args.file, LevelFile::default())? else {
+    if let Some(why) = args.numbers.refusal() {
+        plain_error(&why)?;
+        return Ok(Exit::Refused);
+    }
+    let numbers = args.numbers.fixed();
+    let changes = Changes { numbers: &numbers, ..Changes::default() };
+    let Some(loaded) = load_changed(&args.file, LevelFile::default(), &changes)? else {
         return Ok(Exit::Refused);
     };
     let Some(entities) = choose(&loaded, args)? else {

@@ -2,11 +2,12 @@
 
 use std::io::{self, Write};
 
+use crate::compile::Changes;
 use crate::ir::text;
 
 use super::Exit;
 use super::args::{IrArgs, ResultFormat};
-use super::report::{has_maps, load};
+use super::report::{has_maps, load_changed, plain_error};
 
 /// The schema of a program; the tests compare it with the types.
 const SCHEMA: &str = include_str!("../../docs/schemas/program.json");
@@ -17,7 +18,13 @@ pub(super) fn run(args: &IrArgs) -> io::Result<Exit> {
         out.write_all(SCHEMA.as_bytes())?;
         return Ok(Exit::Yes);
     };
-    let Some(loaded) = load(file, args.level.file())? else {
+    if let Some(why) = args.numbers.refusal() {
+        plain_error(&why)?;
+        return Ok(Exit::Refused);
+    }
+    let numbers = args.numbers.fixed();
+    let changes = Changes { numbers: &numbers, ..Changes::default() };
+    let Some(loaded) = load_changed(file, args.level.file(), &changes)? else {
         return Ok(Exit::Refused);
     };
     if !has_maps(&loaded, loaded.program.worlds.iter())? {

@@ -31,6 +31,8 @@ mod report;
 #[cfg(feature = "testing")]
 mod schemas;
 mod sim;
+mod sim_sweep;
+mod sweep;
 mod time;
 mod watches;
 

@@ -5,7 +5,7 @@ use std::io::{self, BufReader, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::compile::LevelFile;
+use crate::compile::{Changes, LevelFile, NumberSetting};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::sim::{Simulator, TraceFormat, TraceHeader, TraceLines, first_difference, parse_script};
 use crate::source::SourceMap;
@@ -13,7 +13,7 @@ use crate::source::SourceMap;
 use super::Exit;
 use super::args::SimArgs;
 use super::disk::{line, open};
-use super::report::{choose_world, load, plain_error, show, show_fact};
+use super::report::{choose_world, load_changed, plain_error, show, show_fact};
 use super::sim::{RunEnd, drive, header};
 use super::watches::Interrupt;
 
@@ -41,7 +41,10 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         legend: given.legend.or(old.legend.as_deref().map(Path::new)),
         tile: given.tile.or(old.tile),
     };
-    let Some(mut loaded) = load(file, level)? else { return Ok(Exit::Refused) };
+    let set = old.set.iter().filter_map(|set| set.split_once('='));
+    let numbers: Vec<NumberSetting<'_>> = set.map(|(path, value)| NumberSetting { path, value }).collect();
+    let changes = Changes { numbers: &numbers, ..Changes::default() };
+    let Some(mut loaded) = load_changed(file, level, &changes)? else { return Ok(Exit::Refused) };
     let Some(world) = choose_world(&loaded, file, Some(&old.world))? else { return Ok(Exit::Refused) };
     let id = loaded.sources.add(path, old.inputs.clone());
     let (script, found) = parse_script(&loaded.program, world, id, &old.inputs);
@@ -50,7 +53,7 @@ pub(super) fn run(path: &Path, args: &SimArgs) -> io::Result<Exit> {
         return Ok(Exit::Refused);
     }
     let sim = Simulator::new(&loaded.program, world);
-    let now = header(&sim, file, level, (&script, old.chance), old.steps);
+    let now = header(&sim, file, (level, &old.set), (&script, old.chance), old.steps);
     let lines = TraceLines::new(&sim, trace.format);
     let columns = lines.columns();
     let mut difference = match trace.format {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
-use crate::compile::{Compilation, ExtraConstraint, LevelFile, compile_constrained, level_file};
+use crate::compile::{Changes, Compilation, LevelFile, compile_changed, is_name, level_file};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, Fact, render, similar};
@@ -57,25 +57,17 @@ pub(super) fn level_sha256(path: &Path) -> Option<String> {
 }
 
 /// The SHA-256 of some bytes, in hexadecimal digits.
-fn sha256(bytes: &[u8]) -> String {
+pub(super) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Compiles a file, with a level for worlds with an open map; shows findings, and returns `None` if it cannot be run.
-pub(super) fn load(path: &Path, level: LevelFile<'_>) -> io::Result<Option<Loaded>> {
-    load_constrained(path, level, None)
-}
-
-/// As [`load`], with a predicate that must never hold.
-pub(super) fn load_constrained(
-    path: &Path,
-    level: LevelFile<'_>,
-    constraint: Option<ExtraConstraint<'_>>,
-) -> io::Result<Option<Loaded>> {
+/// Compiles a file, with a level for worlds with an open map, and with changes of the program; shows findings, and returns
+/// `None` if it cannot be run.
+pub(super) fn load_changed(path: &Path, level: LevelFile<'_>, changes: &Changes<'_>) -> io::Result<Option<Loaded>> {
     if path.extension().is_some_and(|extension| extension == "json") {
-        return load_compiled(path, level, constraint);
+        return load_compiled(path, level, changes);
     }
-    let Compilation { sources, program, diagnostics } = compile_constrained(path, level, constraint, &Disk);
+    let Compilation { sources, program, diagnostics } = compile_changed(path, level, changes, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
         // Full warnings would clutter the output of repeated runs.
@@ -89,11 +81,7 @@ pub(super) fn load_constrained(
 }
 
 /// Reads a program written by `hypedc ir --format json`; shows findings, and returns `None` if it cannot be run.
-fn load_compiled(
-    path: &Path,
-    level: LevelFile<'_>,
-    constraint: Option<ExtraConstraint<'_>>,
-) -> io::Result<Option<Loaded>> {
+fn load_compiled(path: &Path, level: LevelFile<'_>, changes: &Changes<'_>) -> io::Result<Option<Loaded>> {
     let mut sources = SourceMap::new();
     sources.add(path, "");
     let only = |what: &str| {
@@ -104,8 +92,12 @@ fn load_compiled(
         show_fact(&sources, only("has all of its maps: `--map` has nothing to fill"))?;
         return Ok(None);
     }
-    if constraint.is_some() {
+    if changes.constraint.is_some() || changes.questions.iter().any(|question| !is_name(question.text)) {
         show_fact(&sources, only("a predicate is compiled with the text"))?;
+        return Ok(None);
+    }
+    if !changes.numbers.is_empty() {
+        show_fact(&sources, only("its numbers are compiled: `--set` has nothing to set"))?;
         return Ok(None);
     }
     let program =

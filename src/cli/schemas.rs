@@ -19,6 +19,8 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("findings", closed(render::json_schema(), "Findings of `hypedc check --format json`")),
         ("bounds", closed(bounds::json_schema(), "What `hypedc bounds --format json` writes")),
         ("results", closed(reach::json_schema(), "What `hypedc reach --format json` writes")),
+        ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
+        ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
         ("experiment", closed(Report::json_schema(), "What `hypedc experiment --format json` writes")),

@@ -5,10 +5,11 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 
 mod page;
 
-use crate::compile::LevelFile;
+use crate::compile::{Asked, Changes, ExtraQuestion, LevelFile, compile_changed, question_name};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
 use crate::diagnostic::{Diagnostics, similar};
@@ -28,7 +29,9 @@ use super::disk::Disk;
 use super::page::carried;
 use super::pictures::{self, Outcome, marks, run_svg};
 use super::replay;
-use super::report::{Loaded, choose_world, level_sha256, load, plain_error, program_sha256, show, show_fact};
+use super::report::{Loaded, choose_world, level_sha256, load_changed, plain_error, program_sha256, show, show_fact};
+use super::sim_sweep;
+use super::sweep::Sweep;
 use super::watches::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
@@ -37,7 +40,22 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     }
     // The arguments have a program unless they have a trace to replay.
     let file = args.file.as_deref().unwrap_or(Path::new(""));
-    let Some(mut loaded) = load(file, args.level.file())? else {
+    if let Some(why) = crate::cli::page::refusal(&args.page, &args.numbers) {
+        plain_error(&why)?;
+        return Ok(Exit::Refused);
+    }
+    match Sweep::new(&args.numbers) {
+        Ok(None) => {}
+        Ok(Some(sweep)) => return sim_sweep::run(args, file, &sweep),
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    }
+    let numbers = args.numbers.fixed();
+    let questions = questions(args);
+    let changes = Changes { questions: &questions, numbers: &numbers, ..Changes::default() };
+    let Some(mut loaded) = load_changed(file, args.level.file(), &changes)? else {
         return Ok(Exit::Refused);
     };
     let Some(world) = choose_world(&loaded, file, args.world.as_deref())? else {
@@ -59,24 +77,24 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     };
     let sim = Simulator::new(&loaded.program, world);
     let frames = args.frames.unwrap_or(script.len());
+    // The trace is that of the program as it is written: a predicate that is expected is no part of it.
+    let written = written(args, file, &questions).map(|program| Simulator::new(&program, world));
     let mut trace = match &args.trace {
         Some(path) => {
-            let to: Box<dyn Write> = if path.as_os_str() == "-" {
-                Box::new(io::stdout())
-            } else {
-                match File::create(path) {
-                    Ok(file) => Box::new(file),
-                    Err(error) => {
-                        plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
-                        return Ok(Exit::Refused);
-                    }
-                }
-            };
-            let header = header(&sim, file, args.level.file(), (&script, args.chance), frames);
-            Some(TraceWriter::new(TraceLines::new(&sim, format(args, path)), BufWriter::new(to), &header)?)
+            let sim = written.as_ref().unwrap_or(&sim);
+            let header = header(sim, file, (args.level.file(), &args.numbers.texts()), (&script, args.chance), frames);
+            match trace_writer(args, path, sim, &header)? {
+                Some(trace) => Some(trace),
+                None => return Ok(Exit::Refused),
+            }
         }
         None => None,
     };
+    if let (Some(written), Some(trace)) = (&written, &mut trace) {
+        drive(written, (&script, args.chance), frames, &Interrupt::new(), &mut |step, input, state, _| {
+            trace.state(step, input, state).map(|()| ControlFlow::Continue(()))
+        })?;
+    }
     let mut report = Report::new(&sim);
     let draws = args.svg.is_some() || carried.is_some();
     let images = if draws || args.animation.gif.is_some() {
@@ -98,7 +116,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         if let Some(recorder) = &mut recorder {
             recorder.observe(step, input, state);
         }
-        trace.as_mut().map_or(Ok(()), |t| t.state(step, input, state))?;
+        trace.as_mut().filter(|_| written.is_none()).map_or(Ok(()), |t| t.state(step, input, state))?;
         Ok(ControlFlow::Continue(()))
     })?;
     if let Some(trace) = trace {
@@ -155,11 +173,50 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     Ok(if report.violated() || !unmet.is_empty() { Exit::No } else { Exit::Yes })
 }
 
+/// The program without predicates that are expected, if a trace is written and there may be some.
+fn written(args: &SimArgs, file: &Path, questions: &[ExtraQuestion<'_>]) -> Option<Arc<Program>> {
+    if args.trace.is_none() || questions.is_empty() {
+        return None;
+    }
+    let numbers = args.numbers.fixed();
+    let changes = Changes { numbers: &numbers, ..Changes::default() };
+    compile_changed(file, args.level.file(), &changes, &Disk).program
+}
+
+/// Opens the file of a trace; reports why it cannot be written.
+fn trace_writer<'s>(
+    args: &SimArgs,
+    path: &Path,
+    sim: &'s Simulator,
+    header: &TraceHeader,
+) -> io::Result<Option<TraceWriter<'s, BufWriter<Box<dyn Write>>>>> {
+    let to: Box<dyn Write> = match path.as_os_str() == "-" {
+        true => Box::new(io::stdout()),
+        false => match File::create(path) {
+            Ok(file) => Box::new(file),
+            Err(error) => {
+                plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+                return Ok(None);
+            }
+        },
+    };
+    Ok(Some(TraceWriter::new(TraceLines::new(sim, format(args, path)), BufWriter::new(to), header)?))
+}
+
+/// The expectations as questions: names, or predicates that the world gets as goals.
+pub(super) fn questions(args: &SimArgs) -> Vec<ExtraQuestion<'_>> {
+    let world = args.world.as_deref();
+    let question = |asked, origin| move |text| ExtraQuestion { asked, world, text, origin };
+    let expected = args.expect.iter().map(String::as_str).map(question(Asked::Goal, "--expect"));
+    let excluded = args.expect_not.iter().map(String::as_str).map(question(Asked::Either, "--expect-not"));
+    expected.chain(excluded).collect()
+}
+
 /// Everything that a run depends on.
 pub(super) fn header(
     sim: &Simulator,
     file: &Path,
-    level: LevelFile<'_>,
+    (level, set): (LevelFile<'_>, &[String]),
     (script, chance): (&Script, Option<u64>),
     steps: u64,
 ) -> TraceHeader {
@@ -173,6 +230,7 @@ pub(super) fn header(
         level_sha256: level.map.and_then(level_sha256),
         legend: level.legend.map(|path| path.display().to_string()),
         tile: level.tile,
+        set: set.to_vec(),
         world: sim.world().name.clone(),
         step: format!("{}/{}", step.numerator, step.denominator),
         inputs: script.text(sim.program(), sim.world_id()),
@@ -211,14 +269,14 @@ impl Expected {
             }
         };
         let mut expected = Expected { goals: Vec::new(), not_goals: Vec::new(), not_nevers: Vec::new() };
-        for name in &args.expect {
-            let id = world.goal_named(name).ok_or_else(|| unknown("goal", name, &goals))?;
+        for name in args.expect.iter().map(|text| question_name(text)) {
+            let id = world.goal_named(&name).ok_or_else(|| unknown("goal", &name, &goals))?;
             expected.goals.push(id);
         }
-        for name in &args.expect_not {
-            let (goal, never) = (world.goal_named(name), world.never_named(name));
+        for name in args.expect_not.iter().map(|text| question_name(text)) {
+            let (goal, never) = (world.goal_named(&name), world.never_named(&name));
             if goal.is_none() && never.is_none() {
-                return Err(unknown("goal and no never", name, &[goals.as_slice(), nevers.as_slice()].concat()));
+                return Err(unknown("goal and no never", &name, &[goals.as_slice(), nevers.as_slice()].concat()));
             }
             expected.not_goals.extend(goal);
             expected.not_nevers.extend(never);
@@ -251,7 +309,7 @@ impl Expected {
 }
 
 /// The requested script; reports why if there is none.
-fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
+pub(super) fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
     let (path, text) = match (&args.inputs, &args.inputs_file) {
         (Some(text), _) => ("--inputs".into(), text.clone()),
         (None, Some(path)) => match Disk.read(path) {

@@ -34,6 +34,9 @@ pub struct Settings {
     pub legend: Option<String>,
     /// Width and height of their tiles, px, if they are not the program's.
     pub tile: Option<(f64, f64)>,
+    /// The numbers of the program that were set, such as `Hero.jump_speed=310`; left out if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
     /// What may never hold.
     pub without: Option<String>,
     /// How long it may take, as it was asked for.
@@ -183,6 +186,7 @@ pub(super) mod tests {
             trees: 1,
             legend: None,
             tile: None,
+            set: Vec::new(),
             without: None,
             within: None,
             after: Vec::new(),

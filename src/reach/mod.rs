@@ -24,6 +24,7 @@ mod distance;
 mod draw;
 mod exchange;
 mod exhaustive;
+mod explore;
 mod goal_positions;
 mod improve_duration;
 mod luck;
@@ -53,6 +54,7 @@ pub use conclusion::Conclusion;
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::plan_from_script;
+pub use explore::{CoveredEntity, CoveredSpace, Explored, Explorer, Observer, Top};
 pub use improve_duration::improve_duration;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use monitor::{Monitor, Refutation};
@@ -113,7 +115,7 @@ fn reach_monitored(
     let endless = matches!(problem.target, Target::Never(_)).then(|| endless(program, world));
     let nevers: Vec<ExprId> = match endless {
         Some(_) => Vec::new(),
-        None => problem.sim.world().nevers.iter().map(|never| never.holds).collect(),
+        None => problem.rules(),
     };
     let whole = endless.as_ref().map(|endless| watched_space(endless, world, &nevers, watch));
     let (of, whole) = (endless.as_ref().unwrap_or(program), whole.as_ref().unwrap_or(space));

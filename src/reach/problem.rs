@@ -7,6 +7,7 @@ use crate::ir::{ExprId, GoalId, NeverId, SlotId};
 use crate::sim::{Fault, Input, Script, Simulator, State};
 use crate::watch::{Meter, Unwatched, Watch};
 
+use super::explore::Observer;
 use super::monitor::Monitor;
 
 /// The target.
@@ -92,6 +93,8 @@ pub struct Problem<'s> {
     pub target: Target,
     /// Predicates of the world that must not hold on the path, including its end.
     avoided: Vec<ExprId>,
+    /// `never`s that are questions only: they end no run.
+    asked: Vec<NeverId>,
     /// Maximum number of steps from the start of the search.
     within: Option<u32>,
     /// Minimum number of steps for which each input is held.
@@ -103,6 +106,8 @@ pub struct Problem<'s> {
     players: Vec<SlotId>,
     /// Checks the states created for an answer.
     monitor: Option<&'s Monitor>,
+    /// Sees the states of samplers.
+    observer: Option<&'s dyn Observer>,
     /// The starts; if empty, the initial state.
     starts: Vec<Start>,
     /// The initial state, computed on demand: it takes long for a large world.
@@ -123,7 +128,9 @@ impl<'s> Problem<'s> {
             target,
             players,
             monitor: None,
+            observer: None,
             avoided: Vec::new(),
+            asked: Vec::new(),
             within: None,
             min_hold: 1,
             seed: 0,
@@ -146,6 +153,32 @@ impl<'s> Problem<'s> {
         self
     }
 
+    /// Asks about some `never`s: they are no rules of the world, and end no run unless they are the target.
+    #[must_use]
+    pub fn asking_only(mut self, nevers: &[NeverId]) -> Self {
+        self.asked.extend(nevers);
+        self
+    }
+
+    /// The predicates of the `never`s that end a run.
+    pub(super) fn rules(&self) -> Vec<ExprId> {
+        let nevers = self.sim.world().nevers.pairs().filter(|(id, _)| !self.asked.contains(id));
+        nevers.map(|(_, never)| never.holds).collect()
+    }
+
+    /// The first `never` that holds in a state and ends the run.
+    fn broken_rule(&self, state: &[u8]) -> Result<Option<NeverId>, Fault> {
+        if self.asked.is_empty() {
+            return self.sim.violated(state);
+        }
+        for (id, never) in self.sim.world().nevers.pairs() {
+            if !self.asked.contains(&id) && self.sim.holds(state, never.holds)? {
+                return Ok(Some(id));
+            }
+        }
+        Ok(None)
+    }
+
     /// The predicates that must not hold on the path.
     pub(super) fn avoided(&self) -> &[ExprId] {
         &self.avoided
@@ -162,6 +195,18 @@ impl<'s> Problem<'s> {
     /// The monitor.
     pub fn monitor(&self) -> Option<&'s Monitor> {
         self.monitor
+    }
+
+    /// Shows each state of sampling planners to an observer.
+    #[must_use]
+    pub fn observed(mut self, observer: &'s dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// The observer.
+    pub(super) fn observer(&self) -> Option<&'s dyn Observer> {
+        self.observer
     }
 
     /// Limits the number of steps from the start of the search.
@@ -293,7 +338,7 @@ impl<'s> Problem<'s> {
         {
             return Ok(StateStatus::Goal);
         }
-        if let Some(never) = self.sim.violated(state)? {
+        if let Some(never) = self.broken_rule(state)? {
             return Ok(StateStatus::Dead(Termination::Never(never)));
         }
         if self.sim.left_bounds(state).is_some() {

@@ -167,12 +167,15 @@ impl<'a> SearchContext<'a> {
     fn record(&mut self, node: NodeId, parent: NodeId) {
         let (Some(begin), Some(&player)) = (self.recorded, self.problem.players().first()) else { return };
         let state = self.tree.state(node);
-        let (x, y) = self.problem.sim.position(state, player);
+        let place = |state: &[u8]| {
+            let (x, y) = self.problem.sim.position(state, player);
+            (self.problem.sim.space(state, player), [x as f32, y as f32])
+        };
+        let (space, at) = place(state);
+        let before = Some(place(self.tree.state(parent))).filter(|(of, _)| *of == space).map(|(_, at)| at);
         let parent = (begin + parent.index()) as u32;
-        let space = self.problem.sim.space(state, player);
-        let at = [x as f32, y as f32];
         self.notes.record.push(Visited { parent, space, at });
-        self.meter.watch().node(space.0 as usize, at);
+        self.meter.watch().node(space.0 as usize, at, before);
     }
 
     /// Number of starts.
@@ -210,6 +213,9 @@ impl<'a> SearchContext<'a> {
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
         self.record(root, root);
+        if let Some(observer) = self.problem.observer() {
+            observer.see(self.problem.sim, &self.starts[start].state, &self.scratch);
+        }
         self.check_root(start);
         root
     }
@@ -295,7 +301,14 @@ impl<'a> SearchContext<'a> {
             if let Some(luck) = &self.luck {
                 self.notes.has_open_draws |= luck.leaves_open(self.problem.sim, &self.scratch);
             }
-            match stepped.and_then(|()| self.problem.judge(&self.work)) {
+            let judged = stepped.and_then(|()| self.problem.judge(&self.work));
+            // A state that ends a run was reached, too.
+            if let Some(observer) = self.problem.observer()
+                && matches!(judged, Ok(StateStatus::Open | StateStatus::Dead(Termination::Never(_))))
+            {
+                observer.see(self.problem.sim, &self.work, &self.scratch);
+            }
+            match judged {
                 // Comparisons of a position take effect in the next step: one state beyond the window is simulated,
                 // whatever the speed.
                 Ok(StateStatus::Open) => match self.windows.left(self.problem, &self.work) {

@@ -1,10 +1,11 @@
 //! `look`: a colour or a picture. Only the form is checked here, and nothing that runs depends on it.
 
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use crate::diagnostic::catalogue::look::{BadLook, WhyNoLook};
-use crate::ir::{EntityId, EntityLook, Look};
-use crate::source::FileId;
+use crate::ir::{EntityId, EntityLook, Id, Look, MapLook, SpaceId, WorldId};
+use crate::level::TileArt;
+use crate::source::{FileId, normalize};
 use crate::syntax::ast::{self, Appearance, Name, WorldItem};
 
 use super::Checker;
@@ -39,6 +40,16 @@ impl Checker<'_> {
             }
         }
         looks
+    }
+
+    /// What a map shows; none if its pictures have no path from the folder of the program.
+    pub(super) fn map_look(&self, art: TileArt, space: SpaceId) -> Option<MapLook> {
+        let folder = self.sources.file(self.root).path.parent().map(Path::to_path_buf).unwrap_or_default();
+        let named =
+            |path: &PathBuf| (path.is_absolute() == folder.is_absolute()).then(|| relative(&folder, &normalize(path)));
+        let pictures = art.pictures.iter().map(named).collect::<Option<Vec<String>>>()?;
+        let TileArt { tiles, stacks, cells, .. } = art;
+        Some(MapLook { world: WorldId::from_index(0), space, pictures, tiles, stacks, cells })
     }
 
     fn look(&mut self, appearance: &Appearance) -> Option<Look> {

@@ -44,6 +44,10 @@ pub(super) struct Collision {
     pub contact_readers: Vec<usize>,
     /// The slots that can be pushed and carried.
     pub movable: Vec<usize>,
+    /// The bodies of instances that may move and can touch a static obstacle.
+    meeting: Vec<usize>,
+    /// Whether no space wraps and no map has slopes.
+    is_common: bool,
     /// Cost of moving all instances and their boxes, in units of work.
     moves: u64,
     /// For each space, which static obstacles are adjacent.
@@ -277,6 +281,8 @@ impl Collision {
         let rare_maps = world.spaces.pairs().map(|(id, space)| space.wraps() || has_slopes(id));
         let rare_maps = Some(rare_maps.collect::<Box<[bool]>>()).filter(|rare| rare.contains(&true));
         Collision {
+            meeting: (0..moving).filter(|body| bodies[*body].meets).collect(),
+            is_common: seams.is_none() && slopes.is_none(),
             bodies,
             moving,
             moves,
@@ -316,6 +322,7 @@ impl Collision {
 
 impl Simulator {
     /// Detects all contacts and, with `push`, resolves the blocking ones; returns early if the meter stops it.
+    #[inline(always)]
     pub(super) fn collide(
         &self,
         state: &mut [u8],
@@ -326,7 +333,8 @@ impl Simulator {
         if push && self.collision.carries {
             self.carry(state, &scratch.start);
         }
-        if let Some(seams) = &self.collision.seams {
+        let is_rare = !self.collision.is_common;
+        if is_rare && let Some(seams) = &self.collision.seams {
             self.bring_in(seams, state, &mut scratch.start);
         }
         self.place_boxes(state, scratch)?;
@@ -375,7 +383,7 @@ impl Simulator {
                 *work = work.wrapping_add(compared as u64);
             }
         }
-        if let Some(seams) = &self.collision.seams {
+        if is_rare && let Some(seams) = &self.collision.seams {
             self.collide_across(seams, state, &mut scratch.collision, meter);
         }
         if let Some(still) = &self.still {
@@ -386,9 +394,9 @@ impl Simulator {
         }
         let Scratch { boxes, displacements, lengths, .. } = &mut scratch.collision;
         let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
-        for (at, body) in bodies.iter().enumerate() {
-            let rect = &boxes[at];
-            if body.meets && rect.active {
+        for &at in &self.collision.meeting {
+            let (body, rect) = (&bodies[at], &boxes[at]);
+            if rect.active {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
                 let mut looked_at = 0;
@@ -403,7 +411,7 @@ impl Simulator {
                 }
             }
         }
-        if let Some(slopes) = &self.collision.slopes {
+        if is_rare && let Some(slopes) = &self.collision.slopes {
             self.collide_slopes(slopes, state, &mut scratch.collision, push, meter);
         }
         if push {
@@ -414,7 +422,7 @@ impl Simulator {
                     displacements[slot].push_out(state, &self.actors[slot].layout, &self.collision.bounces);
                 }
             }
-            if let Some(seams) = &self.collision.seams {
+            if is_rare && let Some(seams) = &self.collision.seams {
                 self.bring_in(seams, state, &mut scratch.start);
             }
         }

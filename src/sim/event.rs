@@ -32,6 +32,11 @@ pub enum Event {
 }
 
 impl Simulator {
+    /// The edges that were taken in the last step made with `scratch`, in order.
+    pub fn taken_edges<'s>(&self, scratch: &'s Scratch) -> &'s [(SlotId, EdgeId)] {
+        scratch.changes.edges()
+    }
+
     /// Calls `on_event` for each event of the last step made with `scratch`, which led from one state to another: edges
     /// in the order in which they were taken, then instances, contacts, tiles and predicates by id.
     ///

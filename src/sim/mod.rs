@@ -7,6 +7,7 @@
 mod actor;
 mod breakable;
 mod broad_phase;
+mod carried;
 mod carry;
 pub(crate) mod chance;
 mod collision;
@@ -38,6 +39,7 @@ mod still_bodies;
 mod tiles;
 mod trace;
 
+pub use carried::Carried;
 pub use chance::{Draw, DrawId, Draws};
 pub use event::Event;
 pub use fault::{Fault, FaultKind};

@@ -49,6 +49,9 @@ pub struct TraceHeader {
     pub legend: Option<String>,
     /// Width and height of a tile of the level, px, if it is not the program's.
     pub tile: Option<(f64, f64)>,
+    /// The numbers of the program that were set, such as `Hero.jump_speed=310`; left out if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<String>,
     /// The world.
     pub world: String,
     /// How long a step is, as a fraction of a second.

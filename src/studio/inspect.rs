@@ -167,7 +167,11 @@ impl Guards<'_> {
     }
 
     fn atom(&self, id: ExprId) -> Atom {
-        let sides = match self.program.exprs[id] {
+        let compared = match self.program.exprs[id] {
+            Expr::Not(a) => a,
+            _ => id,
+        };
+        let sides = match self.program.exprs[compared] {
             Expr::Compare(_, a, b) => {
                 let side = |id| self.step.value(self.slot, id).ok();
                 side(a).zip(side(b)).map(|(a, b)| [a, b])

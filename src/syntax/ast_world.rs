@@ -51,15 +51,17 @@ impl File {
         spaces.flat_map(|s| &s.items).filter_map(|i| if let SpaceItem::Map(map) = i { Some(&**map) } else { None })
     }
 
-    /// Adds a `never` to a world of this file, or to all of them.
-    pub(crate) fn add_never(&mut self, never: &Question, world: Option<&str>) {
-        for item in &mut self.items {
-            if let Item::World(known) = item
-                && world.is_none_or(|name| &*known.name.text == name)
-            {
-                known.items.push(WorldItem::Never(never.clone().into()));
-            }
-        }
+    /// The world of a name in this file, or all of them.
+    pub(crate) fn worlds<'f>(&'f self, name: Option<&'f str>) -> impl Iterator<Item = &'f World> {
+        let worlds = self.items.iter().filter_map(|i| if let Item::World(world) = i { Some(&**world) } else { None });
+        worlds.filter(move |world| name.is_none_or(|name| &*world.name.text == name))
+    }
+
+    /// As [`File::worlds`], to change them.
+    pub(crate) fn worlds_mut<'f>(&'f mut self, name: Option<&'f str>) -> impl Iterator<Item = &'f mut World> {
+        let worlds =
+            self.items.iter_mut().filter_map(|i| if let Item::World(world) = i { Some(&mut **world) } else { None });
+        worlds.filter(move |world| name.is_none_or(|name| &*world.name.text == name))
     }
 }
 

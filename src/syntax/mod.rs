@@ -17,6 +17,7 @@ mod import;
 mod keyword;
 mod likely_fix;
 mod message;
+mod number;
 pub mod occurrence;
 mod part;
 mod repair;
@@ -37,6 +38,8 @@ use hyped_grammar::Grammar;
 pub(crate) use hyped_grammar::Rule;
 pub use import::load;
 pub use keyword::{Keyword, keywords, opening_keywords};
+pub(crate) use number::set_number;
+pub use number::{Number, numbers, unit_of};
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 pub use word::{is_name, is_reserved};
 

@@ -1,26 +1,28 @@
 //! A table in plain text, its columns aligned, some of them under a common heading.
 
+use std::borrow::Cow;
+
 /// Number of blanks between two columns.
 const GAP: usize = 2;
 
 /// A column's heading.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Column {
     /// The common heading above it and its neighbours with the same; empty for none.
     group: &'static str,
-    name: &'static str,
+    name: Cow<'static, str>,
     is_right: bool,
 }
 
 impl Column {
     /// A left-aligned column, for words.
-    pub fn left(group: &'static str, name: &'static str) -> Self {
-        Column { group, name, is_right: false }
+    pub fn left(group: &'static str, name: impl Into<Cow<'static, str>>) -> Self {
+        Column { group, name: name.into(), is_right: false }
     }
 
     /// A right-aligned column, for numbers.
-    pub fn right(group: &'static str, name: &'static str) -> Self {
-        Column { group, name, is_right: true }
+    pub fn right(group: &'static str, name: impl Into<Cow<'static, str>>) -> Self {
+        Column { group, name: name.into(), is_right: true }
     }
 }
 
@@ -71,7 +73,7 @@ impl Table {
 
     /// The table, headings first, no blanks at the ends of lines.
     pub fn text(&self) -> String {
-        let names: Vec<Cell> = self.columns.iter().map(|c| c.name.into()).collect();
+        let names: Vec<Cell> = self.columns.iter().map(|c| c.name.as_ref().into()).collect();
         let mut widths = self.widths(&names);
         let mut above = String::new();
         let mut at = 0;

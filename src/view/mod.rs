@@ -11,6 +11,7 @@
 //! | `tiles`, `heat`, `tree`, `route`, `trail`, `goal`, `body` | the layers |
 //! | `look` | the colours and pictures that a program gives to things |
 //! | `cells` | where a search was, as plain data |
+//! | `verdict_map` | verdicts over the values of a program's numbers |
 //! | `label`, `legend`, `style`, `svg` | names that do not cover each other, the legend, colours, numbers |
 
 mod appearance;
@@ -37,6 +38,7 @@ mod tiles;
 mod track;
 mod trail;
 mod tree;
+mod verdict_map;
 
 pub use canvas::{Canvas, Image, Paint};
 pub use cells::cells;
@@ -46,3 +48,4 @@ pub use palette::{ColorTable, Colors};
 pub use picture::{Node, Picture, picture_svg};
 pub use record::Recorder;
 pub use track::{Mark, Part, Pose, Run, Stop, Track};
+pub use verdict_map::{Shade, VerdictMap, VerdictPanel, verdict_map_svg};

@@ -396,6 +396,33 @@ test("the playground: a gallery, games, links", async (t) => {
   assert.deepEqual(errors, []);
 });
 
+test("the playground exports what `hypedc play --export` writes, and it plays from a file", async (t) => {
+  const url = await playground(t);
+  for (const [id, name, args] of [
+    ["mario", "mario", ["examples/mario.hyped"]],
+    ["smb-smb-mario-1-1", "smb", ["examples/smb/smb.hyped", "--map", "examples/smb/mario-1-1.txt"]],
+    ["paper-test1", "test1", ["examples/paper/test1.hyped"]],
+  ]) {
+    const context = await chromium.newContext({ acceptDownloads: true });
+    t.after(() => context.close());
+    const page = await context.newPage();
+    await page.goto(`${url}#game=${id}`);
+    await until(page, "globalThis.studio?.game.frame");
+    const download = page.waitForEvent("download");
+    await page.getByRole("button", { name: "Export" }).click();
+    const path = join(folder, `exported-${name}.html`);
+    await (await download).saveAs(path);
+    const native = join(folder, `native-${name}.html`);
+    run(["play", ...args, "--export", native, "--engine", engine]);
+    assert.ok((await readFile(path, "utf8")) === (await readFile(native, "utf8")), `${id} is another file`);
+    const { page: game, errors, context: other } = await open(chromium, pathToFileURL(path).href, { offline: true });
+    await game.keyboard.down("ArrowRight");
+    await until(game, "globalThis.studio.game.length > 20");
+    assert.deepEqual(errors, []);
+    await other.close();
+  }
+});
+
 for (const colorScheme of ["light", "dark"]) {
   test(`axe finds nothing in the gallery, ${colorScheme}`, async (t) => {
     const context = await chromium.newContext({ colorScheme, bypassCSP: true });

@@ -3,6 +3,7 @@
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
 pub(in crate::cli) mod page;
+pub(in crate::cli) mod set;
 
 use std::path::PathBuf;
 
@@ -13,6 +14,7 @@ use crate::reach::{Planner, Restart};
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
 pub(in crate::cli) use page::PageArgs;
+pub(in crate::cli) use set::SetArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
@@ -181,6 +183,8 @@ pub(in crate::cli) struct BoundsArgs {
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
+    #[command(flatten)]
+    pub numbers: SetArgs,
     /// As tables for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
@@ -192,10 +196,12 @@ pub(in crate::cli) struct IrArgs {
     #[arg(value_name = "FILE", required_unless_present = "schema")]
     pub file: Option<PathBuf>,
     /// Prints the JSON Schema of compiled programs instead.
-    #[arg(long, conflicts_with_all = ["file", "map", "legend", "tile", "format"])]
+    #[arg(long, conflicts_with_all = ["file", "map", "legend", "tile", "set", "format"])]
     pub schema: bool,
     #[command(flatten)]
     pub level: LevelArgs,
+    #[command(flatten)]
+    pub numbers: SetArgs,
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
@@ -216,6 +222,8 @@ pub(in crate::cli) struct SimArgs {
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
+    #[command(flatten)]
+    pub numbers: SetArgs,
     /// An input script.
     #[arg(long, value_name = "SCRIPT", conflicts_with = "inputs_file", allow_hyphen_values = true)]
     pub inputs: Option<String>,
@@ -241,17 +249,17 @@ pub(in crate::cli) struct SimArgs {
     pub animation: GifArgs,
     #[command(flatten)]
     pub page: PageArgs,
-    /// Fails unless this goal has held by the end of the run.
-    #[arg(long, value_name = "GOAL")]
+    /// Fails unless this goal, or this predicate, has held by the end of the run.
+    #[arg(long, value_name = "GOAL|PREDICATE")]
     pub expect: Vec<String>,
-    /// Fails if this goal or `never` has held at any step.
-    #[arg(long, value_name = "NAME")]
+    /// Fails if this goal, `never` or predicate has held at any step.
+    #[arg(long, value_name = "NAME|PREDICATE")]
     pub expect_not: Vec<String>,
     /// Repeats the run of a trace from its header, and compares each line.
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "expect", "expect_not"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "set", "expect", "expect_not"]
     )]
     pub replay: Option<PathBuf>,
 }
@@ -267,6 +275,8 @@ pub(in crate::cli) struct PlayArgs {
     pub file: PathBuf,
     #[command(flatten)]
     pub level: LevelArgs,
+    #[command(flatten)]
+    pub numbers: SetArgs,
     /// The port of the page; 0 chooses a free one.
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub port: u16,
@@ -274,7 +284,7 @@ pub(in crate::cli) struct PlayArgs {
     #[arg(long)]
     pub no_open: bool,
     /// Writes one HTML file that plays without a network and without hypedc, instead of serving the page.
-    #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "no_open"])]
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "no_open", "set"])]
     pub export: Option<PathBuf>,
     /// The engine for the file, a module of WebAssembly; needed if hypedc was built without one.
     #[arg(long, value_name = "PATH", requires = "export")]
@@ -313,12 +323,18 @@ pub(in crate::cli) struct ReachArgs {
     /// The world, where the program has several.
     #[arg(long, value_name = "NAME")]
     pub world: Option<String>,
-    /// A goal to reach [default: all goals of the world].
-    #[arg(long, value_name = "NAME", help_heading = "The question")]
+    #[command(flatten)]
+    pub numbers: SetArgs,
+    /// A goal to reach, or a predicate that is to hold, such as `hero.x > 300`; can be given several times [default: all
+    /// goals of the world].
+    #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub goal: Vec<String>,
-    /// A `never` to break: searches for a counterexample.
-    #[arg(long, value_name = "NAME", help_heading = "The question")]
+    /// A `never` to break, or a predicate that should never hold: searches for a counterexample.
+    #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
+    /// Asks no question: goes wherever it can, and reports what was covered: rooms, tiles that were stood on, modes, edges.
+    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "html", "results", "csv", "junit", "baseline"], help_heading = "The question")]
+    pub explore: bool,
     /// Only paths on which a predicate never holds: is the key needed, or the run button?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
     pub without: Option<String>,
@@ -393,6 +409,12 @@ pub(in crate::cli) struct ReachArgs {
     /// Adds all nodes to the JSON result.
     #[arg(long, help_heading = "The result")]
     pub tree: bool,
+    /// Shows the verdicts only.
+    #[arg(short, long, conflicts_with = "verbose", help_heading = "The result")]
+    pub quiet: bool,
+    /// Shows whole input scripts on a terminal, too, where they are otherwise cut to a line.
+    #[arg(short, long, help_heading = "The result")]
+    pub verbose: bool,
     #[command(flatten)]
     pub page: PageArgs,
     #[command(flatten)]
@@ -448,6 +470,8 @@ pub(in crate::cli) struct GraphArgs {
     /// The program.
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    #[command(flatten)]
+    pub numbers: SetArgs,
     /// An entity to draw [default: all of the program].
     #[arg(long, value_name = "NAME")]
     pub entity: Vec<String>,

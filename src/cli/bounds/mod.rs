@@ -1,14 +1,17 @@
 //! `hypedc bounds`: the values that each part of a world can have, as tables or as JSON, and the number of dimensions
 //! that remain.
 
+mod sweep;
 mod table;
 
 use std::io::{self, Write};
 use std::ops::AddAssign;
+use std::sync::Arc;
 
 use serde::Serialize;
 
 use crate::analysis::{Configuration, ConfigurationSpace, Interval, SlotSpace, Values, configuration_space};
+use crate::compile::Changes;
 use crate::ir::{Bounds, DiscreteId, Entity, Id, Program, SlotId, TimerId, VarId, World, WorldId};
 use crate::json::{self, Layout};
 use crate::reach::query::{is_bounded, proof_reasons};
@@ -18,7 +21,8 @@ use crate::watch::Unwatched;
 
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
-use crate::cli::report::{Loaded, choose_world, load};
+use crate::cli::report::{Loaded, choose_world, load_changed, plain_error};
+use crate::cli::sweep::Sweep;
 use table::write_table;
 
 /// The version of the JSON result.
@@ -99,14 +103,19 @@ impl<'a> WorldBounds<'a> {
 }
 
 pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
-    let Some(loaded) = load(&args.file, args.level.file())? else { return Ok(Exit::Refused) };
+    match Sweep::new(&args.numbers) {
+        Ok(None) => {}
+        Ok(Some(sweep)) => return sweep::run(args, &sweep),
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    }
+    let numbers = args.numbers.fixed();
+    let changes = Changes { numbers: &numbers, ..Changes::default() };
+    let Some(loaded) = load_changed(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
     let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
-    let space = configuration_space(&loaded.program, id);
-    let is_open = |goal| space.can_hold(&loaded.program, id, goal);
-    let space = match loaded.program.worlds[id].goals.ids().any(is_open) {
-        true => space.by_place(&loaded.program, id, &[], &Unwatched),
-        false => space,
-    };
+    let space = bounds_of(&loaded.program, id);
     let of = WorldBounds { program: &loaded.program, world: &loaded.program.worlds[id], space: &space };
     let goals = goals(&loaded, id, &space);
     let mut out = io::stdout().lock();
@@ -145,6 +154,16 @@ pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
         writeln!(out, "a run ends where a player leaves the bounds of its space, below or beside")?;
     }
     Ok(Exit::Yes)
+}
+
+/// What each part of a world can be; players are distinguished by place if that may tell more about goals.
+fn bounds_of(program: &Arc<Program>, id: WorldId) -> ConfigurationSpace {
+    let space = configuration_space(program, id);
+    let is_open = |goal| space.can_hold(program, id, goal);
+    match program.worlds[id].goals.ids().any(is_open) {
+        true => space.by_place(program, id, &[], &Unwatched),
+        false => space,
+    }
 }
 
 /// Where runs of a world end, for each player and each space that it can be in.

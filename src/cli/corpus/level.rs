@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 
-use crate::compile::{Compilation, compile_constrained};
+use crate::compile::{Compilation, compile_changed};
 use crate::corpus::{Key, Record, Row, Settings, StoredRow, Timing};
 use crate::diagnostic::{Severity, render};
 use crate::parallel::TaskContext;
@@ -15,7 +15,7 @@ use crate::watch::Watch;
 use crate::cli::args::ReachArgs;
 use crate::cli::disk::Disk;
 use crate::cli::reach::files::Destination;
-use crate::cli::reach::question::{extra_constraint, query, refusal};
+use crate::cli::reach::question::{ReachChanges, query, refusal};
 use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, find_world, level_sha256, program_sha256};
@@ -66,8 +66,9 @@ impl CorpusContext<'_> {
                 task_context.submit(TaskResult::New(target, Box::new(blank(target, error.to_string()))));
             }
         };
+        let changes = ReachChanges::new(self.args);
         let Compilation { sources, program, diagnostics } =
-            compile_constrained(&self.args.file, self.args.reading.of(path), extra_constraint(self.args), &Disk);
+            compile_changed(&self.args.file, self.args.reading.of(path), &changes.changes(), &Disk);
         let Some(program) = program else {
             let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error);
             return failed(render::short(&sources, errors).trim_end());

@@ -16,7 +16,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
-use crate::compile::{Compilation, compile_constrained};
+use crate::compile::{Compilation, compile_changed};
 use crate::corpus::{Comparison, Key, Record, Row, StoredRow, junit, summary, table};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
@@ -28,9 +28,9 @@ use crate::source::SourceMap;
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::disk::{Disk, open, rows};
-use crate::cli::reach::question::{extra_constraint, query, recorded_settings};
+use crate::cli::reach::question::{ReachChanges, query, recorded_settings};
 use crate::cli::refusal::Refusal;
-use crate::cli::report::{Loaded, find_world, has_maps, load_constrained, plain_error};
+use crate::cli::report::{Loaded, find_world, has_maps, load_changed, plain_error};
 use crate::cli::watches::interrupted;
 use files::{CsvFile, RecordFile};
 use level::{CorpusContext, Level, TaskResult};
@@ -43,6 +43,10 @@ const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
 
 /// Whether the arguments concern many levels, or use an option that only those have.
 pub(in crate::cli) fn is_corpus_run(args: &ReachArgs) -> bool {
+    // A sweep has a table of its own, of one level.
+    if !args.numbers.sweeps().is_empty() {
+        return false;
+    }
     let of = &args.corpus;
     let wants = [&of.results, &of.csv, &of.junit, &of.baseline].iter().any(|path| path.is_some());
     wants || args.map.len() > 1 || args.map.iter().any(|path| path.is_dir())
@@ -100,23 +104,24 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
 /// that only levels have cannot be read: then the first level that can be read serves.
 fn load_questions(args: &ReachArgs) -> io::Result<Option<(Loaded, bool)>> {
     let open = args.reading.of(None);
+    let changes = ReachChanges::new(args);
+    let changes = &changes.changes();
     let is_compiled = args.file.extension().is_some_and(|extension| extension == "json");
     if !is_compiled && !args.map.is_empty() {
-        let compiled = compile_constrained(&args.file, open, extra_constraint(args), &Disk);
+        let compiled = compile_changed(&args.file, open, changes, &Disk);
         let mut errors = compiled.diagnostics.iter().filter(|d| d.severity == Severity::Error);
         if compiled.program.is_none() && errors.all(|d| d.code == Code::NoQuestion) {
             // A level that is no level is a row of its own.
             for level in levels(args, true).unwrap_or_default() {
                 let given = args.reading.of(level.path.as_deref());
-                let Compilation { sources, program, .. } =
-                    compile_constrained(&args.file, given, extra_constraint(args), &Disk);
+                let Compilation { sources, program, .. } = compile_changed(&args.file, given, changes, &Disk);
                 if let Some(program) = program {
                     return Ok(Some((Loaded { sources, program }, true)));
                 }
             }
         }
     }
-    Ok(load_constrained(&args.file, open, extra_constraint(args))?.map(|loaded| (loaded, false)))
+    Ok(load_changed(&args.file, open, changes)?.map(|loaded| (loaded, false)))
 }
 
 /// The files of a run.

@@ -9,6 +9,7 @@ use crate::experiment::Setup;
 use crate::reach::{Measure, Planner, Sampling};
 
 use crate::cli::args::level::{LevelArgs, seconds};
+use crate::cli::args::set::SetArgs;
 use crate::cli::time::{Hold, held};
 
 /// What `--planners` calls all of them.
@@ -68,8 +69,10 @@ pub(in crate::cli) struct FilesArgs {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub level: LevelArgs,
-    /// Only goals with this name.
-    #[arg(long, value_name = "NAME")]
+    #[command(flatten)]
+    pub numbers: SetArgs,
+    /// Only goals with this name; or a predicate, which is a goal of all worlds.
+    #[arg(long, value_name = "NAME|PREDICATE")]
     pub goal: Vec<String>,
     #[command(flatten)]
     pub options: ExperimentOptions,

@@ -13,7 +13,7 @@ use cpu_time::ThreadTime;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::analysis::{ConfigurationSpace, configuration_space};
-use crate::compile::Compilation;
+use crate::compile::{Asked, Changes, Compilation, ExtraQuestion, question_name};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::experiment::paper::{PLANNERS, Test};
@@ -24,7 +24,7 @@ use crate::reach::{Limits, Planner, Problem, Proof};
 use crate::sim::Simulator;
 
 use crate::cli::Exit;
-use crate::cli::report::{Loaded, has_maps, load, plain_error, program_sha256, show, show_fact};
+use crate::cli::report::{Loaded, has_maps, load_changed, plain_error, program_sha256, show, show_fact};
 use crate::cli::watches::interrupted;
 use args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
 
@@ -80,8 +80,16 @@ fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
 
 fn run_files(args: &FilesArgs) -> io::Result<Exit> {
     let mut sources = Vec::new();
+    if let Some(why) = args.numbers.refusal() {
+        plain_error(&why)?;
+        return Ok(Exit::Refused);
+    }
+    let numbers = args.numbers.fixed();
+    let question = |text| ExtraQuestion { asked: Asked::Goal, world: None, text, origin: "--goal" };
+    let questions: Vec<ExtraQuestion<'_>> = args.goal.iter().map(|text| question(text)).collect();
+    let changes = Changes { numbers: &numbers, questions: &questions, ..Changes::default() };
     for file in &args.files {
-        let Some(loaded) = load(file, args.level.file())? else { return Ok(Exit::Refused) };
+        let Some(loaded) = load_changed(file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
         if !has_maps(&loaded, loaded.program.worlds.iter())? {
             return Ok(Exit::Refused);
         }
@@ -89,14 +97,15 @@ fn run_files(args: &FilesArgs) -> io::Result<Exit> {
     }
     let worlds = sources.iter().flat_map(|s| s.loaded.program.worlds.iter());
     let goals: Vec<&str> = worlds.flat_map(|w| w.goals.iter().map(|g| g.name.as_str())).collect();
-    if let Some(name) = args.goal.iter().find(|name| !goals.contains(&name.as_str())) {
+    let asked: Vec<String> = args.goal.iter().map(|text| question_name(text)).collect();
+    if let Some(name) = asked.iter().find(|name| !goals.contains(&name.as_str())) {
         let near = similar(name, goals.iter().copied());
         return refused(&sources, &format!("no goal `{name}` in these programs"), near);
     }
     if goals.is_empty() {
         return refused(&sources, "these programs have no goal", None);
     }
-    let is_selected = |_: &Source, goal: &str| args.goal.is_empty() || args.goal.iter().any(|g| g == goal);
+    let is_selected = |_: &Source, goal: &str| asked.is_empty() || asked.iter().any(|g| g == goal);
     experiment(&sources, &is_selected, &Planner::ALL, &args.options)
 }
 

@@ -20,6 +20,7 @@ use crate::source::{Files, ReadError, SourceMap};
 use super::super::Exit;
 use super::super::args::PlayArgs;
 use super::super::disk::Disk;
+use super::super::pictures::image;
 use super::super::report::{plain_error, show};
 
 /// The engine, packed by gzip.
@@ -41,6 +42,8 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsaf
 #[derive(Debug, Clone, Serialize)]
 struct Project {
     files: BTreeMap<String, String>,
+    /// The pictures that the program names, as addresses that hold the whole files.
+    pictures: BTreeMap<String, String>,
     root: String,
     map: Option<String>,
     legend: Option<String>,
@@ -91,7 +94,14 @@ impl Carried {
         if program.worlds.is_empty() {
             return Err(NoPage::Plain(format!("`{}` has no world to play", file.display())));
         }
-        let project = project(file, level, recorder.texts.into_inner()).map_err(NoPage::Io)?;
+        let mut project = project(file, level, recorder.texts.into_inner()).map_err(NoPage::Io)?;
+        for name in program.looks.pictures() {
+            let (_, address) = image(name, file).map_err(NoPage::Plain)?;
+            project.pictures.insert(name.to_string(), address);
+        }
+        // A level is played without the pictures of its editor, too.
+        let tiles = program.looks.tile_pictures().into_iter();
+        project.pictures.extend(tiles.filter_map(|name| Some((name.to_string(), image(name, file).ok()?.1))));
         Ok(Carried { project, engine })
     }
 
@@ -125,8 +135,8 @@ pub(super) fn run(args: &PlayArgs, target: &Path) -> io::Result<Exit> {
         plain_error(&format!("cannot write `{}`: {error}", target.display()))?;
         return Ok(Exit::Refused);
     }
-    let (size, files) = (page.len().div_ceil(1000), carried.project.files.len());
-    writeln!(io::stdout(), "{}: {size} kB, {files} files", target.display())?;
+    let files = carried.project.files.len() + carried.project.pictures.len();
+    writeln!(io::stdout(), "{}: {} kB, {files} files", target.display(), page.len().div_ceil(1000))?;
     Ok(Exit::Yes)
 }
 
@@ -186,6 +196,7 @@ fn project(root: &Path, level: LevelFile<'_>, texts: BTreeMap<PathBuf, String>) 
     let files = texts.into_iter().map(|(path, text)| Ok((name(&path)?, text)));
     Ok(Project {
         files: files.collect::<io::Result<_>>()?,
+        pictures: BTreeMap::new(),
         root: name(root)?,
         map: level.map.map(name).transpose()?,
         legend: level.legend.map(name).transpose()?,

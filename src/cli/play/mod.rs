@@ -14,12 +14,13 @@ use std::time::Duration;
 
 use tiny_http::{Header, Request, Response, Server, StatusCode};
 
+use crate::compile::{Changes, NumberSetting};
 use crate::watch::Watch;
 
 use super::Exit;
 use super::args::PlayArgs;
 use super::disk::is_regular;
-use super::report::plain_error;
+use super::report::{load_changed, plain_error};
 use super::watches::Interrupt;
 
 use carrier::Carrier;
@@ -38,6 +39,21 @@ pub(super) fn run(args: &PlayArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     }
+    let numbers = match numbers(args) {
+        Ok(numbers) => numbers,
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    };
+    if !numbers.is_empty() {
+        // An unknown name is told now, not by a page that does not change.
+        let settings = args.numbers.fixed();
+        let changes = Changes { numbers: &settings, ..Changes::default() };
+        if load_changed(&args.file, args.level.file(), &changes)?.is_none() {
+            return Ok(Exit::Refused);
+        }
+    }
     if let Some(target) = &args.export {
         return export::run(args, target);
     }
@@ -51,7 +67,7 @@ pub(super) fn run(args: &PlayArgs) -> io::Result<Exit> {
     let guard = Guard::new(listener.local_addr()?.port()).map_err(io::Error::other)?;
     let url = guard.url();
     let server = Server::from_listener(listener, None).map_err(io::Error::other)?;
-    let carrier = Arc::new(Carrier::new(args));
+    let carrier = Arc::new(Carrier::new(args, numbers));
     writeln!(io::stdout(), "{url}")?;
     writeln!(io::stderr(), "playing {}; ctrl-C ends it", args.file.display())?;
     if !args.no_open && open::that_detached(&url).is_err() {
@@ -64,6 +80,19 @@ pub(super) fn run(args: &PlayArgs) -> io::Result<Exit> {
         }
     }
     Ok(Exit::Yes)
+}
+
+/// The numbers that the sliders of the page show at first.
+fn numbers(args: &PlayArgs) -> Result<Vec<(String, f64)>, String> {
+    if let Some(why) = args.numbers.refusal() {
+        return Err(why);
+    }
+    let number = |setting: NumberSetting<'_>| {
+        let value = setting.value.parse().ok().filter(|value: &f64| value.is_finite());
+        let value = value.ok_or_else(|| format!("`play` sets plain numbers: `--set {}=310`", setting.path))?;
+        Ok((setting.path.to_string(), value))
+    };
+    args.numbers.fixed().into_iter().map(number).collect()
 }
 
 /// Answers one request. A client that is gone is no error.

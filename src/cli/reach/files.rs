@@ -16,7 +16,11 @@ use super::text::notes;
 use crate::cli::args::ReachArgs;
 use crate::cli::pictures::images;
 use crate::cli::refusal::Refusal;
+use crate::cli::report::sha256;
 use crate::cli::sim::{drive, save_script};
+
+/// Maximum number of characters of a predicate in the name of a file.
+const MAX_WORD: usize = 60;
 
 /// The files that were written.
 #[derive(Debug, Clone, Default)]
@@ -79,7 +83,7 @@ impl<'d> Destination<'d> {
     /// Inserts the names before the extension of a path.
     fn named(&self, path: &Path) -> PathBuf {
         let mut name = path.file_stem().unwrap_or_default().to_os_string();
-        for word in self.level.into_iter().chain(self.goal) {
+        for word in self.level.map(str::to_string).into_iter().chain(self.goal.map(file_word)) {
             name.push(".");
             name.push(word);
         }
@@ -97,6 +101,43 @@ pub(super) fn plan<'f>(found: &'f Found<'_>) -> Option<&'f Plan> {
         Verdict::Reached(plan) => Some(plan),
         Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
     }
+}
+
+/// A goal as part of a file's name: a name as it is, a predicate with words for what names of files cannot have.
+fn file_word(goal: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || c == '_';
+    if goal.chars().all(is_plain) {
+        return goal.to_string();
+    }
+    let mut word = String::new();
+    for c in goal.chars() {
+        let part = match c {
+            '<' => "-lt-",
+            '>' => "-gt-",
+            '=' => "-eq-",
+            '+' => "-plus-",
+            '-' => "-minus-",
+            '*' => "-times-",
+            '/' => "-over-",
+            '!' => "-not-",
+            '\'' => "-rate-",
+            c if is_plain(c) => {
+                word.push(c);
+                continue;
+            }
+            _ => "-",
+        };
+        word.push_str(part);
+    }
+    let words: Vec<&str> = word.split('-').filter(|part| !part.is_empty()).collect();
+    let word = words.join("-");
+    // What is left out, or cut off, must not make two predicates one file.
+    if word.chars().count() <= MAX_WORD && !goal.contains(['(', ')']) {
+        return word;
+    }
+    let cut: String = word.chars().take(MAX_WORD).collect();
+    let hash = sha256(goal.as_bytes());
+    format!("{cut}-{}", hash.get(..8).unwrap_or_default())
 }
 
 /// The nodes of a search, as pictures show them.
@@ -142,4 +183,19 @@ fn recorded(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &d
         Ok(ControlFlow::Continue(()))
     });
     recorder.finish(&last, Vec::new())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn predicates_become_names_of_files() {
+        assert_eq!(file_word("arrive"), "arrive");
+        assert_eq!(file_word("hero.x > 300"), "hero-x-gt-300");
+        assert_eq!(file_word("hero.y' <= -3/4"), "hero-y-rate-lt-eq-minus-3-over-4");
+        let (a, b) = (file_word("(a or b) and c"), file_word("a or (b and c)"));
+        assert!(a != b && a.starts_with("a-or-b-and-c-"), "{a} {b}");
+        assert!(file_word(&"hero.x > 3 and ".repeat(40)).len() < 80);
+    }
 }

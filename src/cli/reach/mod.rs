@@ -2,16 +2,20 @@
 //! handles several levels. This part reads the questions from the arguments, and shows and saves the answers;
 //! [`crate::reach::query`] answers them.
 
+mod explore;
 pub(in crate::cli) mod files;
 mod page;
 pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
 mod result;
+mod sweep;
 mod text;
 
-#[cfg(feature = "testing")]
-pub(in crate::cli) use result::json_schema;
 pub(in crate::cli) use text::counted;
+#[cfg(feature = "testing")]
+pub(in crate::cli) use {
+    explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,
+};
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -29,18 +33,31 @@ use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::page::{Way, carried};
 use crate::cli::pictures::images;
 use crate::cli::play::export::Carried;
-use crate::cli::report::{Loaded, choose_world, load_constrained, plain_error, show_fact};
+use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, show_fact};
+use crate::cli::sweep::Sweep;
 use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
 use page::{report, violations, way};
-use question::{extra_constraint, query, refusal};
+use question::{ReachChanges, query, refusal};
 use refuted::{Refuted, RunInfo, command_line};
 use result::RunResult;
-use text::answer_text;
+use text::{Detail, Shown, answer_text};
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
+    if let Some(why) = crate::cli::page::refusal(&args.page, &args.numbers) {
+        plain_error(&why)?;
+        return Ok(Exit::Refused);
+    }
+    match Sweep::new(&args.numbers) {
+        Ok(None) => {}
+        Ok(Some(sweep)) => return sweep::run(args, &sweep),
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    }
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
-    let Some(mut loaded) = load_constrained(&args.file, level, extra_constraint(args))? else {
+    let Some(mut loaded) = load_changed(&args.file, level, &ReachChanges::new(args).changes())? else {
         return Ok(Exit::Refused);
     };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else {
@@ -63,6 +80,9 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     let session = Session::new(&loaded.program, world, query, &watch);
     let seconds = started.elapsed().as_secs_f64();
     watch.finish();
+    if args.explore {
+        return explore::run(args, &loaded, world, &session, seconds);
+    }
     answer_all(args, &loaded, (world, &session), seconds, carried.as_ref())
 }
 
@@ -87,7 +107,8 @@ fn answer_all(
         }
     };
     let mut result = RunResult::new(args, session, analysis_seconds);
-    if args.format == ResultFormat::Human {
+    let detail = Detail::of(args);
+    if args.format == ResultFormat::Human && detail != Detail::Quiet {
         write!(io::stdout(), "{}", result.head())?;
     }
     let mut phases = Phases::new(args, &program.worlds[world], analysis_seconds);
@@ -123,7 +144,9 @@ fn answer_all(
             show_fact(&loaded.sources, fault.fact(program, world, step))?;
         }
         if args.format == ResultFormat::Human {
-            write!(io::stdout(), "{}", answer_text(&answer, session.query(), &saved, searched.seconds))?;
+            let (query, has_rooms) = (session.query(), program.worlds[world].spaces.len() > 1);
+            let shown = Shown { query, saved: &saved, seconds: searched.seconds, has_rooms, detail };
+            write!(io::stdout(), "{}", answer_text(&answer, &shown))?;
         }
         if !answer.is_expected {
             exit = exit.max(Exit::No);
@@ -151,7 +174,7 @@ fn answer_all(
     }
     match args.format {
         ResultFormat::Human => {
-            write!(io::stdout(), "{}", result.tail())?;
+            write!(io::stdout(), "{}", result.tail(detail))?;
             if let Some(path) = &args.page.html {
                 writeln!(io::stdout(), "  page {}", path.display())?;
             }
@@ -228,12 +251,13 @@ pub fn answer_by_analysis_of(
     use clap::Parser;
 
     use crate::cli::args::{Arguments, Command};
+    use crate::compile::Changes;
 
     let arguments = Arguments::try_parse_from(arguments);
     let Ok(Arguments { command: Command::Reach(args), .. }) = &arguments else { return Ok(None) };
-    let (level, world) = (|| args.reading.of(None), WorldId(0));
+    let (level, world, none) = (|| args.reading.of(None), WorldId(0), Changes::default());
     let (Some(analysed), Some(mut loaded)) =
-        (load_constrained(file, level(), None)?, load_constrained(&args.file, level(), None)?)
+        (load_changed(file, level(), &none)?, load_changed(&args.file, level(), &none)?)
     else {
         return Ok(None);
     };
@@ -245,6 +269,8 @@ pub fn answer_by_analysis_of(
         return Ok(None);
     };
     let answer = session.answer(&mut first, &loaded.sources);
-    let text = answer_text(&answer, session.query(), &Saved::default(), 0.0);
+    let (query, saved) = (session.query(), Saved::default());
+    let shown = Shown { query, saved: &saved, seconds: 0.0, has_rooms: false, detail: Detail::Full };
+    let text = answer_text(&answer, &shown);
     Ok(Some((exit == Exit::Yes, answer.verdict, text)))
 }

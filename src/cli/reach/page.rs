@@ -10,7 +10,7 @@ use crate::watch::Watch;
 
 use super::files::{Saved, nodes, picture, plan};
 use super::result::RunResult;
-use super::text::{answer_text, with_luck};
+use super::text::{Detail, Shown, answer_text, with_luck};
 use crate::cli::page::{Moment, Report, Tone, Way, Witness};
 
 /// An answer as a way that the page shows. `seconds` is the duration of the search.
@@ -23,7 +23,9 @@ pub(super) fn way(
 ) -> io::Result<Way> {
     // The page has the inputs in a field of their own.
     let printed = Answer { inputs: None, ..answer.clone() };
-    let text = answer_text(&printed, session.query(), &Saved::default(), seconds);
+    let has_rooms = session.simulator().world().spaces.len() > 1;
+    let (query, saved) = (session.query(), &Saved::default());
+    let text = answer_text(&printed, &Shown { query, saved, seconds, has_rooms, detail: Detail::Full });
     let mut lines = text.lines().map(|line| line.trim().to_string());
     let first = lines.next().unwrap_or_default();
     let verdict = first.split_once(": ").map_or(first.as_str(), |(_, verdict)| verdict).to_string();

@@ -1,7 +1,9 @@
 //! Builds the query from the arguments of `hypedc reach`: targets, starts and settings. Invalid questions are refused
 //! here, before any analysis.
 
-use crate::compile::ExtraConstraint;
+use std::path::Path;
+
+use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, question_name};
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
@@ -9,6 +11,7 @@ use crate::ir::{NeverId, World, WorldId};
 use crate::reach::query::{Kind, Query, QueryError};
 use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
 use crate::sim::{Script, parse_script};
+use crate::source::Span;
 
 use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
@@ -17,15 +20,44 @@ use crate::cli::time::{Time, held};
 
 /// The name of the `never` that `--without` adds: not a valid name in a program.
 const WITHOUT: &str = "--without";
+/// The source of the goal of `--explore`, which nothing reaches.
+const EXPLORE: &str = "--explore";
+/// The source of predicates of `--never`.
+const NEVER: &str = "--never";
 
-/// The predicate of `--without` as a `never` that the compiler adds to the world.
-pub(in crate::cli) fn extra_constraint(args: &ReachArgs) -> Option<ExtraConstraint<'_>> {
-    args.without.as_deref().map(|predicate| ExtraConstraint {
-        world: args.world.as_deref(),
-        name: WITHOUT,
-        predicate,
-        origin: WITHOUT,
-    })
+/// What the arguments add to the program and change in it.
+pub(in crate::cli) struct ReachChanges<'a> {
+    questions: Vec<ExtraQuestion<'a>>,
+    constraint: Option<ExtraConstraint<'a>>,
+    numbers: Vec<NumberSetting<'a>>,
+}
+
+impl<'a> ReachChanges<'a> {
+    pub fn new(args: &'a ReachArgs) -> Self {
+        let world = args.world.as_deref();
+        let question = |asked, origin| move |text: &'a String| ExtraQuestion { asked, world, text, origin };
+        let goals = args.goal.iter().map(question(Asked::Goal, "--goal"));
+        let nevers = args.never.iter().map(question(Asked::Never, NEVER));
+        let nowhere =
+            args.explore.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
+        let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
+        ReachChanges {
+            questions: goals.chain(nevers).chain(nowhere).collect(),
+            constraint: args.without.as_deref().map(constraint),
+            numbers: args.numbers.fixed(),
+        }
+    }
+
+    /// As the compiler takes them.
+    pub fn changes(&self) -> Changes<'_> {
+        Changes { questions: &self.questions, constraint: self.constraint, numbers: &self.numbers }
+    }
+
+    /// With more numbers.
+    pub fn setting(mut self, numbers: &[NumberSetting<'a>]) -> Self {
+        self.numbers.extend(numbers);
+        self
+    }
 }
 
 /// The query of the arguments about a world.
@@ -41,6 +73,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         min_hold,
         within,
         without: without.into_iter().collect(),
+        asked: asked_only(loaded, world),
         after: read_scripts(loaded, world, &args.after)?,
         minimizes: args.minimize,
         chance: args.chance,
@@ -82,6 +115,7 @@ pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -
         trees: settings.trees,
         legend: args.reading.legend.as_ref().map(|path| path.display().to_string()),
         tile: args.reading.tile,
+        set: args.numbers.texts(),
         without: args.without.clone(),
         within: args.within.map(|time| time.to_string()),
         after: args.after.clone(),
@@ -107,7 +141,10 @@ fn min_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
 
 /// The search settings.
 fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, Refusal> {
-    let planner = Planner::named(&args.planner).unwrap_or_default();
+    let mut planner = Planner::named(&args.planner).unwrap_or_default();
+    if args.explore && planner == Planner::Auto {
+        planner = Planner::Coverage;
+    }
     let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
     let hold = hold.map_err(|why| Refusal::Plain(format!("`--hold`: {why}")))?;
     if let Some((_, high)) = hold.filter(|(_, high)| *high < min_hold) {
@@ -157,23 +194,36 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
     let nevers: Vec<(Target, &str)> = nevers.map(|(id, never)| (Target::Never(id), never.name.as_str())).collect();
     let mut chosen = Vec::new();
     for (kind, known, names) in [(Kind::Goal, &goals, &args.goal), (Kind::Never, &nevers, &args.never)] {
-        for name in names {
-            let found = known.iter().find(|(_, known)| known == name);
-            let target = found.ok_or_else(|| unknown(world, kind, name, known))?.0;
+        for text in names {
+            let name = question_name(text);
+            let found = known.iter().find(|(_, known)| *known == name);
+            let target = found.ok_or_else(|| unknown(world, kind, &name, known))?.0;
             if !chosen.contains(&target) {
                 chosen.push(target);
             }
         }
     }
-    if args.goal.is_empty() && args.never.is_empty() {
+    if args.explore {
+        // The compiler appends it.
+        chosen.extend(goals.last().map(|(target, _)| *target));
+    } else if args.goal.is_empty() && args.never.is_empty() {
         chosen.extend(goals.iter().map(|(target, _)| *target));
     }
     if chosen.is_empty() {
         let why = format!("`{}` has no goal", world.name);
-        let help = Some("add one, such as `goal arrive: near(hero, (416, 48), 16)`".to_string());
+        let help = "add one, such as `goal arrive: near(hero, (416, 48), 16)`, ask a predicate with `--goal`, or see what \
+                    there is with `--explore`";
+        let help = Some(help.to_string());
         return Err(Refusal::of(NoQuestion { why, near: None, help }));
     }
     Ok(chosen)
+}
+
+/// The `never`s that the arguments add as questions: they are no rules of the world.
+fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
+    let is_added = |span: Span| loaded.sources.holds(span) && loaded.sources.file(span.file()).path == Path::new(NEVER);
+    let nevers = loaded.program.spans.worlds[world].nevers.pairs();
+    nevers.filter(|(_, span)| is_added(**span)).map(|(id, _)| id).collect()
 }
 
 /// Refuses an unknown name of a goal or `never`.

@@ -10,7 +10,7 @@ use crate::reach::query::{Answer, Counterexample, Kind, Session};
 
 use super::question::recorded_settings;
 use super::refuted::Refuted;
-use super::text::{counted, with_luck};
+use super::text::{Detail, counted, with_luck};
 use crate::cli::args::ReachArgs;
 use crate::cli::report::program_sha256;
 
@@ -89,6 +89,7 @@ impl RunResult {
         let settings = &self.settings;
         let naive = if settings.bounds == "naive" { ", naive bounds" } else { "" };
         let metric = if settings.metric == "xy" { ", measured by positions" } else { "" };
+        let set: String = settings.set.iter().map(|set| format!(", {set}")).collect();
         let without = settings.without.as_ref().map_or(String::new(), |p| format!(", without {p}"));
         let within = settings.within.as_ref().map_or(String::new(), |time| format!(", within {time}"));
         let after = match settings.after.as_slice() {
@@ -102,13 +103,13 @@ impl RunResult {
         let given_up = self.given_up.iter().map(|why| format!("  everything is possible for {why}\n"));
         let given_up: String = given_up.collect();
         format!(
-            "{}, world {}, seed {}{naive}{metric}{without}{within}{hold}{chance}{after}\n{given_up}",
+            "{}, world {}, seed {}{set}{naive}{metric}{without}{within}{hold}{chance}{after}\n{given_up}",
             self.file, self.world, settings.seed
         )
     }
 
     /// The lines after the answers: each `never` that was violated on the way but not asked about, and a refutation.
-    pub fn tail(&self) -> String {
+    pub fn tail(&self, detail: Detail) -> String {
         let answers = || self.goals.iter().map(|goal| &goal.answer);
         let mut seen: BTreeSet<&String> = answers().filter(|a| a.kind == Kind::Never).map(|a| &a.goal).collect();
         let mut out = String::new();
@@ -117,7 +118,9 @@ impl RunResult {
                 let steps = counted(*steps, "step");
                 let luck = with_luck(luck.as_ref());
                 out.push_str(&format!("  never {never}: can be violated{luck}, counterexample: {steps}\n"));
-                out.push_str(&format!("    inputs  {inputs}\n"));
+                if detail != Detail::Quiet {
+                    out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));
+                }
             }
         }
         out.extend(self.refuted.as_ref().map(Refuted::human));

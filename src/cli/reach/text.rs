@@ -1,14 +1,66 @@
 //! An answer of `hypedc reach` as text for people.
 
+use std::io::{self, IsTerminal};
+
 use crate::reach::Conclusion;
 use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
 use crate::reach::{End, Luck};
 
 use super::files::Saved;
+use crate::cli::args::ReachArgs;
 
 /// `1 step`, `2 steps`
 pub(in crate::cli) fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// How much of an answer is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::cli) enum Detail {
+    /// The verdict only.
+    Quiet,
+    /// All, with scripts cut to so many characters.
+    Cut(usize),
+    /// All.
+    Full,
+}
+
+/// The width of a line on a terminal that does not tell its own.
+const WIDTH: usize = 100;
+/// The indentation of an answer's lines with their first word.
+const INDENT: usize = 12;
+
+impl Detail {
+    /// What the options ask for, on this standard output.
+    pub fn of(args: &ReachArgs) -> Detail {
+        if args.quiet {
+            return Detail::Quiet;
+        }
+        if args.verbose || !io::stdout().is_terminal() {
+            return Detail::Full;
+        }
+        let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
+        Detail::Cut(told.unwrap_or(WIDTH).max(40) - INDENT)
+    }
+
+    /// A script on one line.
+    pub fn script(self, inputs: &str) -> String {
+        const REST: &str = " … (`--verbose` shows all)";
+        let Detail::Cut(width) = self else { return inputs.to_string() };
+        if inputs.chars().count() <= width {
+            return inputs.to_string();
+        }
+        let room = width.saturating_sub(REST.chars().count());
+        let mut cut = String::new();
+        for word in inputs.split(' ') {
+            if cut.chars().count() + 1 + word.chars().count() > room {
+                break;
+            }
+            cut.push_str(if cut.is_empty() { "" } else { " " });
+            cut.push_str(word);
+        }
+        cut + REST
+    }
 }
 
 /// The statistics, as lines under a picture.
@@ -35,8 +87,16 @@ pub(super) fn with_luck(luck: Option<&Luck>) -> String {
     luck.filter(|luck| !luck.is_none()).map_or(String::new(), |luck| format!(", with luck: {}", luck.words()))
 }
 
+/// When and where a path ends: ` in 2.4 s, step 144, in `cave``; the place only if there are several.
+fn when(answer: &Answer, has_rooms: bool) -> String {
+    let (Some(steps), Some(seconds)) = (answer.steps, answer.seconds_of_play) else { return String::new() };
+    let spaces: Vec<String> = answer.spaces.iter().map(|space| format!("`{space}`")).collect();
+    let place = if has_rooms && !spaces.is_empty() { format!(", in {}", spaces.join(" and ")) } else { String::new() };
+    format!(" in {seconds:.2} s, step {steps}{place}")
+}
+
 /// The verdict and what it assumes: the first line of an answer.
-fn verdict(answer: &Answer, query: &Query) -> String {
+fn verdict(answer: &Answer, query: &Query, has_rooms: bool) -> String {
     let within = query.within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
     let hold = match query.min_hold {
         1 => String::new(),
@@ -59,7 +119,8 @@ fn verdict(answer: &Answer, query: &Query) -> String {
         Conclusion::NotAnswered if !is_never => "not answered".to_string(),
         Conclusion::NotAnswered => "not answered, no way to break it was found".to_string(),
         Conclusion::Reached | Conclusion::Violated | Conclusion::NotFound | Conclusion::Error => {
-            format!("{}{}", answer.verdict.words(), with_luck(answer.luck.as_ref()))
+            let when = when(answer, has_rooms);
+            format!("{}{when}{}", answer.verdict.words(), with_luck(answer.luck.as_ref()))
         }
     }
 }
@@ -85,21 +146,35 @@ fn window(SearchWindow { space, left, right, bottom, branches }: &SearchWindow) 
     )
 }
 
-/// An answer as text. `seconds` is the duration of the search.
-pub(super) fn answer_text(answer: &Answer, query: &Query, saved: &Saved, seconds: f64) -> String {
-    let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query));
+/// What an answer is shown with.
+pub(super) struct Shown<'s> {
+    pub query: &'s Query,
+    pub saved: &'s Saved,
+    /// The duration of the search, s.
+    pub seconds: f64,
+    /// Whether the world has several spaces.
+    pub has_rooms: bool,
+    pub detail: Detail,
+}
+
+/// An answer as text.
+pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
+    let Shown { query, saved, seconds, has_rooms, detail } = *shown;
+    let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query, has_rooms));
+    if detail == Detail::Quiet {
+        return out;
+    }
     for reason in answer.reasons.iter().chain(&answer.assumptions) {
         out.push_str(&format!("    {reason}\n"));
     }
     if answer.is_withdrawn {
         out.push_str("    the analysis is wrong about this world, as shown below: its proof is withdrawn\n");
     }
-    if let (Some(steps), Some(seconds)) = (answer.steps, answer.seconds_of_play) {
-        let (steps, shortest) = (counted(steps, "step"), shortest(answer, query));
-        out.push_str(&format!("    path    {steps} ({seconds:.2} s of play), {shortest}\n"));
+    if let Some(steps) = answer.steps {
+        out.push_str(&format!("    path    {}, {}\n", counted(steps, "step"), shortest(answer, query)));
     }
     if let Some(inputs) = answer.inputs.as_ref().filter(|i| !i.is_empty()) {
-        out.push_str(&format!("    inputs  {inputs}\n"));
+        out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));
     }
     if let Some(path) = &saved.inputs {
         out.push_str(&format!("    saved   {}\n", path.display()));
@@ -170,4 +245,20 @@ fn search_text(answer: &Answer, seconds: f64) -> String {
         End::Memory | End::Stopped => "    this proves nothing: a longer search may find a way\n".to_string(),
     });
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_are_cut_between_words() {
+        let long = "right*40 jump*12 ".repeat(20);
+        let long = long.trim_end();
+        assert_eq!(Detail::Full.script(long), long);
+        assert_eq!(Detail::Cut(60).script("right*40 jump*12"), "right*40 jump*12");
+        let cut = Detail::Cut(60).script(long);
+        assert_eq!(cut, "right*40 jump*12 right*40 … (`--verbose` shows all)");
+        assert!(cut.chars().count() <= 60);
+    }
 }

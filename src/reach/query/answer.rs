@@ -190,6 +190,9 @@ pub struct Answer {
     pub steps: Option<u64>,
     /// The duration of the path in the world, s; null if there is none.
     pub seconds_of_play: Option<f64>,
+    /// The spaces that the players are in at the end of the path; empty if there is none.
+    #[serde(default)]
+    pub spaces: Vec<String>,
     /// Whether no allowed inputs (with axes at -1, 0 and 1) take fewer steps; null if there is no path.
     pub is_shortest: Option<bool>,
     /// Whether axes between -1, 0 and 1, which no search tries, can make a difference.
@@ -247,6 +250,7 @@ impl Answer {
             least_steps: None,
             steps: None,
             seconds_of_play: None,
+            spaces: Vec::new(),
             is_shortest: None,
             reads_between: false,
             inputs: None,

@@ -11,6 +11,7 @@ use crate::source::SourceMap;
 use crate::watch::{Meter, Unwatched, Watch};
 
 use super::super::exchange::plan_from_script;
+use super::super::explore::Observer;
 use super::super::improve_duration::improve_duration;
 use super::super::luck::only_read;
 use super::super::monitor::{Monitor, Refutation};
@@ -18,7 +19,7 @@ use super::super::outcome::{End, Outcome, Plan, Verdict};
 use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
-use super::super::search::{Limits, Settings};
+use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::answer::{Answer, Counterexample};
 
@@ -37,6 +38,8 @@ pub struct Query {
     pub within: Option<u32>,
     /// `never`s that a path must not break; counterexamples to them are not reported.
     pub without: Vec<NeverId>,
+    /// `never`s that are questions only: they end no run.
+    pub asked: Vec<NeverId>,
     /// Scripts whose ends are the starts of searches; if empty, the initial state.
     pub after: Vec<Script>,
     /// Whether paths are made faster and simpler.
@@ -55,6 +58,7 @@ impl Query {
             min_hold: 1,
             within: None,
             without: Vec::new(),
+            asked: Vec::new(),
             after: Vec::new(),
             minimizes: false,
             chance: None,
@@ -135,7 +139,8 @@ impl Session {
     /// Analyses a world; if the watch stops it, everything counts as possible.
     pub fn new(program: &Arc<Program>, world: WorldId, query: Query, watch: &dyn Watch) -> Self {
         // A run is over where a `never` holds.
-        let nevers: Vec<ExprId> = program.worlds[world].nevers.iter().map(|never| never.holds).collect();
+        let nevers = program.worlds[world].nevers.pairs().filter(|(id, _)| !query.asked.contains(id));
+        let nevers: Vec<ExprId> = nevers.map(|(_, never)| never.holds).collect();
         let space = watched_space(program, world, &nevers, watch);
         Session::with_space(program, world, query, space)
     }
@@ -209,6 +214,18 @@ impl Session {
         Ok(found)
     }
 
+    /// Searches without the analysis for the first target, and shows each state on the way to an observer. For a target
+    /// that nothing reaches, it goes wherever it can.
+    ///
+    /// [`QueryError`] if it cannot be searched.
+    pub fn explore(&self, observer: &dyn Observer, watch: &dyn Watch) -> Result<Outcome, QueryError> {
+        let Query { targets, settings, limits, .. } = &self.query;
+        let problem = targets.first().map(|target| self.problem(*target, watch)).transpose()?.flatten();
+        let Some(problem) = problem else { return Ok(Outcome::stopped(settings.planner)) };
+        let problem = problem.observed(observer);
+        search(&problem, &self.space, settings, limits, watch).map_err(|fault| QueryError::Fault(fault, 0))
+    }
+
     /// The answer. Call it after all targets have been searched for: one search can withdraw the proof of another.
     pub fn answer(&self, found: &mut Found<'_>, sources: &SourceMap) -> Answer {
         if let Some(refutation) = self.refutation() {
@@ -233,7 +250,28 @@ impl Session {
         let violations = violations.collect();
         let luck =
             found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| self.luck(p, &plan.script, plan.after));
-        Answer { violations, luck, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+        let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
+        let spaces = spaces.unwrap_or_default();
+        Answer { violations, luck, spaces, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+    }
+
+    /// The spaces that the players are in after a script, each once.
+    fn spaces_after(&self, problem: &Problem<'_>, script: &Script) -> Vec<String> {
+        let mut scratch = self.sim.scratch();
+        let Ok(mut state) = self.sim.initial(&mut scratch) else { return Vec::new() };
+        for (input, step) in script.inputs().zip(1..) {
+            if self.sim.step(&mut state, &problem.draw(step, input), &mut scratch).is_err() {
+                return Vec::new();
+            }
+        }
+        let mut spaces: Vec<String> = Vec::new();
+        for &slot in problem.players() {
+            let name = &self.sim.world().spaces[self.sim.space(&state, slot)].name;
+            if !spaces.contains(name) {
+                spaces.push(name.clone());
+            }
+        }
+        spaces
     }
 
     /// The luck that a script needs, where nature draws and a search chose it.
@@ -312,8 +350,8 @@ impl Session {
 
     /// The problem for a target; `None` if the watch stopped the replay of a start.
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
-        let Query { min_hold, within, without, after, .. } = &self.query;
-        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold);
+        let Query { min_hold, within, without, asked, after, .. } = &self.query;
+        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold).asking_only(asked);
         if let Some(monitor) = &self.monitor {
             problem = problem.monitored(monitor);
         }

@@ -11,7 +11,7 @@ use crate::compile::LevelFile;
 use crate::sim::{Script, Simulator};
 use crate::watch::Watch;
 
-use super::args::{PageArgs, SetArgs};
+use super::args::PageArgs;
 use super::play::export::{Carried, NoPage};
 use super::reach::refuted::command_line;
 use super::report::program_sha256;
@@ -160,14 +160,6 @@ pub(super) fn carried(args: &PageArgs, file: &Path, level: LevelFile<'_>) -> Res
         return Err(NoPage::Plain(format!("{why}: give the `.hyped` file that it was made from")));
     }
     Carried::read(file, level, args.engine.as_deref()).map(Some)
-}
-
-/// Why a page would play another program than the one that is reported: it carries the text as it is written.
-pub(super) fn refusal(args: &PageArgs, numbers: &SetArgs) -> Option<String> {
-    (args.html.is_some() && !numbers.set.is_empty()).then(|| {
-        "`--html` carries the program as it is written, and `--set` changes it: write the number into the text"
-            .to_string()
-    })
 }
 
 /// The command line, without the place of the binary.

@@ -40,10 +40,6 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     }
     // The arguments have a program unless they have a trace to replay.
     let file = args.file.as_deref().unwrap_or(Path::new(""));
-    if let Some(why) = crate::cli::page::refusal(&args.page, &args.numbers) {
-        plain_error(&why)?;
-        return Ok(Exit::Refused);
-    }
     match Sweep::new(&args.numbers) {
         Ok(None) => {}
         Ok(Some(sweep)) => return sim_sweep::run(args, file, &sweep),

@@ -44,10 +44,6 @@ use result::RunResult;
 use text::{Detail, Shown, answer_text};
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
-    if let Some(why) = crate::cli::page::refusal(&args.page, &args.numbers) {
-        plain_error(&why)?;
-        return Ok(Exit::Refused);
-    }
     match Sweep::new(&args.numbers) {
         Ok(None) => {}
         Ok(Some(sweep)) => return sweep::run(args, &sweep),

@@ -36,10 +36,10 @@ fn reported(name: &str, arguments: &[&str]) -> (Value, Value, String) {
     (data("report"), data("project"), out)
 }
 
-/// The last line of a run with these inputs that is about a goal.
+/// What is printed about a run with these inputs.
 fn end(file: &str, script: &str) -> String {
-    let (_, out, error) = run(&["sim", file, "--inputs", script]);
-    assert_eq!(error, "");
+    let (code, out, error) = run(&["sim", file, "--inputs", script]);
+    assert!(code < 2, "{error}");
     out
 }
 
@@ -124,6 +124,14 @@ fn pages_that_cannot_be_are_refused_before_any_work() {
     let many = ["reach", "tests/maps/smb.hyped", "--map", level, level, "--html", page];
     let (code, _, error) = run(&many);
     assert!(code == 2 && error.contains("a page about one level"), "{error}");
+    // The page carries the text as it is written.
+    for setting in ["lift=90", "lift=90..120/10"] {
+        let setting = format!("Balloon.{setting}");
+        let (code, out, error) = run(&["reach", "examples/balloon.hyped", "--set", &setting, "--html", page]);
+        assert_eq!((code, out.as_str()), (2, ""), "{error}");
+        assert!(error.contains("cannot be used with"), "{error}");
+    }
+    assert_eq!(run(&["reach", "examples/balloon.hyped", "--explore", "--html", page]).0, 2);
     assert_eq!(run(&["sim", "--replay", "run.jsonl", "--html", page]).0, 2);
     assert!(!temporary("none.html").exists());
 }

@@ -21,6 +21,7 @@ mod start;
 mod studio;
 mod studio_keep;
 mod studio_looks;
+mod studio_memory;
 mod studio_protocol;
 mod trace;
 mod view;

@@ -74,6 +74,10 @@ fn pack(jobs: &Mutex<Receiver<Numbered>>, result: &Sender<Numbered>) {
         let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).recv();
         let Ok((number, mut frame)) = job else { return };
         frame.make_lzw_pre_encoded();
+        // It has reserved much more than it needs.
+        let mut bytes = frame.buffer.into_owned();
+        bytes.shrink_to_fit();
+        frame.buffer = Cow::Owned(bytes);
         if result.send((number, frame)).is_err() {
             return;
         }

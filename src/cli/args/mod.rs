@@ -333,7 +333,7 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
     /// Asks no question: goes wherever it can, and reports what was covered: rooms, tiles that were stood on, modes, edges.
-    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "results", "csv", "junit", "baseline"], help_heading = "The question")]
+    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "html", "results", "csv", "junit", "baseline"], help_heading = "The question")]
     pub explore: bool,
     /// Only paths on which a predicate never holds: is the key needed, or the run button?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]

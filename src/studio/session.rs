@@ -27,6 +27,8 @@ const MAX_GHOST: u64 = 7_200;
 const MAX_STEPS_AT_ONCE: usize = 3_600;
 /// Maximum number of steps that are predicted.
 const MAX_PREDICTED: u32 = 3_600;
+/// Maximum number of frames of one trace.
+const MAX_TRACED: u32 = 3_600;
 /// Maximum number of changes that can be taken back.
 const MAX_UNDONE: usize = 500;
 /// Maximum number of things that are named as lost.
@@ -213,6 +215,9 @@ impl Session {
                 let game = self.game()?;
                 game.from_the_start()?;
                 Ok(Answer::Text { text: game.history.script().text(&game.program, game.world) })
+            }
+            Request::Trace { from, count } => {
+                Ok(Answer::Text { text: self.history()?.trace(from, count.min(MAX_TRACED)) })
             }
             Request::Load { script } => {
                 let game = self.game()?;

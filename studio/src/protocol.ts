@@ -12,6 +12,7 @@ export type Request =
   | { ask: "bounds"; slot: number }
   | { ask: "chart"; entity: string }
   | { ask: "script" }
+  | { ask: "trace"; count: number; from: number }
   | { ask: "load"; script: string }
   | { ask: "sliders" }
   | { ask: "set"; slider: number; value: number }

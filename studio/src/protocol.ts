@@ -1,4 +1,4 @@
-// What the page asks and what it is answered: the types of src/studio/protocol.rs.
+// What the page asks and what it is answered: the types of src/studio/protocol.
 // Written by `UPDATE=1 cargo test --test runtime studio_protocol`.
 
 export type Request =

@@ -213,7 +213,7 @@ impl Session {
             }
             Request::Script => {
                 let game = self.game()?;
-                game.from_the_start()?;
+                game.begins_at_the_start()?;
                 Ok(Answer::Text { text: game.history.script().text(&game.program, game.world) })
             }
             Request::Trace { from, count } => {
@@ -364,7 +364,7 @@ impl Session {
     fn start_search(&mut self, target: &Target, nodes: u64, seed: u64) -> Result<Answer, String> {
         self.search = None;
         let game = self.game()?;
-        game.from_the_start()?;
+        game.begins_at_the_start()?;
         let (name, world) = (game.world().name.clone(), game.world);
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
@@ -439,7 +439,7 @@ impl Game {
     }
 
     /// Inputs say how a run went only from the start of the world.
-    fn from_the_start(&self) -> Result<(), String> {
+    fn begins_at_the_start(&self) -> Result<(), String> {
         let why =
             "the run goes on from a state of the program before the change, and no inputs lead there: start again";
         if self.history.is_carried() { Err(why.to_string()) } else { Ok(()) }

@@ -103,6 +103,46 @@ fn cells_show_the_tiles_of_the_editor() {
     assert_eq!(shown(5), [tile(19, 1, 0)]);
 }
 
+/// A level of LDtk: the topmost layer first, tiles by rules and by hand.
+#[test]
+fn cells_show_the_tiles_of_ldtk() {
+    let tile = |px: &str, src: &str, f: u32| format!("{{ \"px\": [{px}], \"src\": [{src}], \"f\": {f}, \"t\": 0 }}");
+    let layer = |name: &str, kind: &str, own: &str| {
+        format!(
+            "{{ \"__identifier\": \"{name}\", \"__type\": \"{kind}\", \"__cWid\": 2, \"__cHei\": 2, \"__gridSize\": 16, \
+             \"__pxTotalOffsetX\": 0, \"__pxTotalOffsetY\": 0, \"__tilesetDefUid\": 7, \"__tilesetRelPath\": \"../art/t.png\", \
+             \"layerDefUid\": 5, \"visible\": true, {own} }}"
+        )
+    };
+    let over = layer("Over", "Tiles", &format!("\"gridTiles\": [{}]", tile("16, 0", "32, 0", 1)));
+    let tiles = [tile("0, 16", "0, 0", 0), tile("16, 16", "16, 0", 2), tile("16, 0", "0, 16", 0)];
+    let ground = layer(
+        "Ground",
+        "IntGrid",
+        &format!("\"intGridCsv\": [0, 0, 1, 1], \"autoLayerTiles\": [{}]", tiles.join(", ")),
+    );
+    let project = format!(
+        "{{ \"jsonVersion\": \"1.5.3\", \"defs\": {{ \"tilesets\": [{{ \"uid\": 7, \"tileGridSize\": 16 }}], \"layers\": \
+         [{{ \"uid\": 5, \"intGridValues\": [{{ \"value\": 1, \"identifier\": \"ground\" }}] }}] }}, \
+         \"levels\": [{{ \"identifier\": \"One\", \"layerInstances\": [{over}, {ground}] }}] }}"
+    );
+    let game =
+        GAME.replace("map tiled \"maps/room.tmj\" { ground: ground; Coin: spawn Coin }", "map ldtk \"maps/room.ldtk\"");
+    let mut files = files(&game, TILESET);
+    files.0.insert("game/maps/room.ldtk".into(), project);
+    let (scene, _) = scene(files);
+    let art = scene.spaces[0].map.clone().unwrap().art.unwrap();
+    assert_eq!(art.pictures, ["art/t.png"]);
+    let shown = |cell: usize| -> Vec<TilePicture> {
+        art.stacks[usize::from(art.cells[cell])].iter().map(|tile| art.tiles[usize::from(*tile)].clone()).collect()
+    };
+    let tile = |left, top, mirrored| TilePicture { picture: 0, part: [left, top, 16, 16], mirrored };
+    assert_eq!(shown(0), []);
+    assert_eq!(shown(1), [tile(0, 16, 0), tile(32, 0, 1)], "the layer above is over the one below");
+    assert_eq!(shown(2), [tile(0, 0, 0)]);
+    assert_eq!(shown(3), [tile(16, 0, 2)]);
+}
+
 #[test]
 fn what_cells_show_is_no_part_of_the_meaning() {
     let read = |tileset: &str| program(compile(Path::new("game/room.hyped"), &files(GAME, tileset)));

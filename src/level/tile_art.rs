@@ -13,6 +13,14 @@ const MIRRORED: [(u32, u8); 3] = [(1 << 31, 1), (1 << 30, 2), (1 << 29, 4)];
 /// Maximum number of tiles, and of different stacks of them.
 const MAX: usize = u16::MAX as usize;
 
+/// What distinguishes a tile from others of the map.
+pub(super) type TileKey = [u32; 4];
+
+/// How the bits of a tile's number in Tiled mirror it, as in [`TilePicture::mirrored`].
+pub(super) fn mirrored(number: u32) -> u8 {
+    MIRRORED.iter().filter(|(bit, _)| number & bit != 0).map(|(_, own)| own).sum()
+}
+
 /// What the cells of a map show.
 #[derive(Debug, Clone, Default)]
 pub struct TileArt {
@@ -24,7 +32,7 @@ pub struct TileArt {
     pub stacks: Vec<Vec<u16>>,
     /// For each cell, row by row from the lowest, its stack.
     pub cells: Vec<u16>,
-    known: BTreeMap<u32, Option<u16>>,
+    known: BTreeMap<TileKey, Option<u16>>,
     joined: BTreeMap<(u16, u16), u16>,
 }
 
@@ -39,14 +47,19 @@ impl TileArt {
         self.tiles.is_empty()
     }
 
-    /// Puts a tile over what a cell shows: `number` is its number with the bits that mirror it, `part` is asked once for
-    /// each number.
-    pub(super) fn put(&mut self, cell: usize, number: u32, part: impl FnOnce() -> Option<(PathBuf, [u32; 4])>) {
-        let tile = match self.known.get(&number) {
+    /// Puts a tile over what a cell shows. `part` is asked once for each key.
+    pub(super) fn put(
+        &mut self,
+        cell: usize,
+        key: TileKey,
+        mirrored: u8,
+        part: impl FnOnce() -> Option<(PathBuf, [u32; 4])>,
+    ) {
+        let tile = match self.known.get(&key) {
             Some(known) => *known,
             None => {
-                let tile = part().and_then(|(path, part)| self.tile(&path, part, number));
-                self.known.insert(number, tile);
+                let tile = part().and_then(|(path, part)| self.tile(&path, part, mirrored));
+                self.known.insert(key, tile);
                 tile
             }
         };
@@ -68,12 +81,11 @@ impl TileArt {
         }
     }
 
-    fn tile(&mut self, path: &Path, part: [u32; 4], number: u32) -> Option<u16> {
+    fn tile(&mut self, path: &Path, part: [u32; 4], mirrored: u8) -> Option<u16> {
         let picture = self.pictures.iter().position(|known| known == path).unwrap_or_else(|| {
             self.pictures.push(path.to_path_buf());
             self.pictures.len() - 1
         });
-        let mirrored = MIRRORED.iter().filter(|(bit, _)| number & bit != 0).map(|(_, own)| own).sum();
         self.tiles.push(TilePicture { picture: u16::try_from(picture).ok()?, part, mirrored });
         u16::try_from(self.tiles.len() - 1).ok()
     }

@@ -15,7 +15,7 @@ use super::editor_level::{EditorLevel, Grid, Meaning, Object, Setting, Value, na
 use super::node::{LevelError, Node, Scalar};
 use super::numbers::Data;
 use super::objects::{Shape, too_many_objects};
-use super::tile_art::{Sheet, TileArt};
+use super::tile_art::{Sheet, TileArt, mirrored};
 use super::{MAX_OBJECTS, MAX_TILES};
 
 /// The bits of a tile's number that encode its mirroring and rotation.
@@ -337,7 +337,8 @@ impl Reader<'_> {
                 let row = chunk.y + (index / chunk.columns) as i64 - self.origin.1;
                 let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { continue };
                 if column < columns && row < rows {
-                    self.art.put((rows - 1 - row) * columns + column, number, || self.sets.part(number));
+                    let cell = (rows - 1 - row) * columns + column;
+                    self.art.put(cell, [number, 0, 0, 0], mirrored(number), || self.sets.part(number));
                 }
             }
         }
@@ -373,7 +374,8 @@ impl Reader<'_> {
                 grid.put(column, row, *kind, &chunk.data.at)?;
                 // What becomes an instance moves: it is no part of the map.
                 if is_visible && instance.is_none() {
-                    self.art.put((rows - 1 - row) * columns + column, flagged, || self.sets.part(number));
+                    let cell = (rows - 1 - row) * columns + column;
+                    self.art.put(cell, [flagged, 0, 0, 0], mirrored(flagged), || self.sets.part(number));
                 }
                 if let Some(Tile { class, settings, .. }) = instance {
                     if self.objects.len() >= MAX_OBJECTS {

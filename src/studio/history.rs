@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::ir::Id;
-use crate::sim::{Event, Fault, Input, Run, Script, Simulator, State};
+use crate::sim::{Event, Fault, Input, Run, Script, Simulator, State, TraceFormat, TraceLines};
 
 use super::protocol::{EventInfo, Frame, Shown};
 use super::scene::{frame, places};
@@ -263,6 +263,22 @@ impl History {
             return Vec::new();
         }
         paths_of(self.sim(), &self.script.first(most), 0)
+    }
+
+    /// Some frames as lines of a trace.
+    pub fn trace(&mut self, from: u64, count: u32) -> String {
+        let (at, sim) = (self.at(), Arc::clone(self.sim()));
+        let lines = TraceLines::new(&sim, TraceFormat::Jsonl);
+        let mut out = String::new();
+        for frame in from..from.saturating_add(u64::from(count)).min(self.length + 1) {
+            self.seek(frame);
+            let input = frame.checked_sub(1).and_then(|before| self.input(before));
+            let input = input.map_or_else(|| self.run.nothing(), |input| self.run.drawn(input));
+            // Infallible: writes to memory.
+            out.push_str(&lines.state(frame, &input, self.run.state()).unwrap_or_default());
+        }
+        self.seek(at);
+        out
     }
 
     /// What the page shows now.

@@ -27,6 +27,8 @@ const MAX_GHOST: u64 = 7_200;
 const MAX_STEPS_AT_ONCE: usize = 3_600;
 /// Maximum number of steps that are predicted.
 const MAX_PREDICTED: u32 = 3_600;
+/// Maximum number of frames of one trace.
+const MAX_TRACED: u32 = 3_600;
 /// Maximum number of changes that can be taken back.
 const MAX_UNDONE: usize = 500;
 /// Maximum number of things that are named as lost.
@@ -228,8 +230,11 @@ impl Session {
             }
             Request::Script => {
                 let game = self.game()?;
-                game.from_the_start()?;
+                game.begins_at_the_start()?;
                 Ok(Answer::Text { text: game.history.script().text(&game.program, game.world) })
+            }
+            Request::Trace { from, count } => {
+                Ok(Answer::Text { text: self.history()?.trace(from, count.min(MAX_TRACED)) })
             }
             Request::Load { script } => {
                 let game = self.game()?;
@@ -376,7 +381,7 @@ impl Session {
     fn start_search(&mut self, target: &Target, nodes: u64, seed: u64) -> Result<Answer, String> {
         self.search = None;
         let game = self.game()?;
-        game.from_the_start()?;
+        game.begins_at_the_start()?;
         let (name, world) = (game.world().name.clone(), game.world);
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
@@ -451,7 +456,7 @@ impl Game {
     }
 
     /// Inputs say how a run went only from the start of the world.
-    fn from_the_start(&self) -> Result<(), String> {
+    fn begins_at_the_start(&self) -> Result<(), String> {
         let why =
             "the run goes on from a state of the program before the change, and no inputs lead there: start again";
         if self.history.is_carried() { Err(why.to_string()) } else { Ok(()) }

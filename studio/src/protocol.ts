@@ -1,4 +1,4 @@
-// What the page asks and what it is answered: the types of src/studio/protocol.rs.
+// What the page asks and what it is answered: the types of src/studio/protocol.
 // Written by `UPDATE=1 cargo test --test runtime studio_protocol`.
 
 export type Request =
@@ -12,6 +12,7 @@ export type Request =
   | { ask: "bounds"; slot: number }
   | { ask: "chart"; entity: string }
   | { ask: "script" }
+  | { ask: "trace"; count: number; from: number }
   | { ask: "load"; script: string }
   | { ask: "sliders" }
   | { ask: "set"; slider: number; value: number }

@@ -141,6 +141,9 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
     }
   }
   assert.ok(compared >= 2000, `${compared} positions compared`);
+  // All that a state is made of, frame by frame.
+  const { text } = await page.evaluate((count) => globalThis.studio.game.carrier.ask({ ask: "trace", from: 0, count }), length + 1);
+  assert.deepEqual(text.trim().split("\n"), lines);
   t.diagnostic(`${length} steps, ${live} frames while it was played, ${compared} positions`);
 });
 

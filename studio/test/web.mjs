@@ -81,6 +81,9 @@ async function compared(page, { project }) {
   // Random play may violate a `never`: that is exit code 1.
   run(["sim", project.root, ...level, ...world, ...chance, "--inputs-file", file, "--trace", trace], [0, 1]);
   const [, ...lines] = (await readFile(trace, "utf8")).trim().split("\n");
+  // All that a state is made of, frame by frame.
+  const { text } = await page.evaluate((count) => globalThis.studio.game.carrier.ask({ ask: "trace", from: 0, count }), lines.length);
+  assert.deepEqual(text.trim().split("\n"), lines, project.root);
   let equal = 0;
   for (const line of lines) {
     const { step, instances } = JSON.parse(line);

@@ -62,6 +62,13 @@ pub enum Request {
     },
     /// The inputs of the history as a script.
     Script,
+    /// States of the history as the lines of a trace, in the format of `hypedc sim --trace`.
+    Trace {
+        /// The first frame.
+        from: u64,
+        /// Number of frames.
+        count: u32,
+    },
     /// Replaces the history by a script, and shows its end.
     Load {
         /// The script, as in `.inputs` files.

@@ -12,7 +12,7 @@ const CELL = 8;
 /** As well, two nodes of a search: an input is held over several steps. */
 const LEAP = 200;
 /** Maximum number of lines of a tree that are drawn: the latest ones. */
-const MAX_LINES = 3_000;
+const MAX_LINES = 2_000;
 
 /** A node of a search: its space, its place, and the place of the node before it. */
 export type TreeLine = [number, number, number, number, number];
@@ -260,8 +260,9 @@ export class Overlays {
   private drawTree(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
     const lines = this.tree[space] ?? [];
     context.strokeStyle = this.stage.colors!.backdrop.ghost;
-    context.globalAlpha = 0.75;
-    context.lineWidth = Math.max(1, this.stage.ratio);
+    // Fewer lines are stronger; many are a veil, under which the level and a path that is found stay visible.
+    context.globalAlpha = Math.max(0.16, Math.min(0.6, 60 / Math.max(1, lines.length / 4)));
+    context.lineWidth = this.stage.ratio;
     context.beginPath();
     for (let at = 0; at < lines.length; at += 4) {
       context.moveTo(camera.toX(lines[at]!), camera.toY(lines[at + 1]!));

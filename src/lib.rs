@@ -33,6 +33,7 @@
 //! | [`view`] | pictures of searches |
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
+//! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
@@ -69,3 +70,4 @@ pub mod syntax;
 pub mod tabular;
 pub mod view;
 pub mod watch;
+pub mod why;

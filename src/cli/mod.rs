@@ -35,6 +35,7 @@ mod sim_sweep;
 mod sweep;
 mod time;
 mod watches;
+mod why;
 
 use std::io;
 use std::process::ExitCode;
@@ -79,6 +80,7 @@ pub fn main() -> ExitCode {
         Command::Play(args) => play::run(&args),
         Command::Reach(args) if corpus::is_corpus_run(&args) => corpus::run(&args),
         Command::Reach(args) => reach::run(&args),
+        Command::Why(args) => why::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

@@ -4,7 +4,7 @@ use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
-use super::{bounds, corpus, reach};
+use super::{bounds, corpus, reach, why};
 use crate::corpus::Row;
 use crate::diagnostic::render;
 use crate::experiment::Report;
@@ -23,6 +23,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
+        ("why", closed(why::json_schema(), "What `hypedc why --format json` writes")),
         ("experiment", closed(Report::json_schema(), "What `hypedc experiment --format json` writes")),
         ("trace-header", closed(header, "The first line of a trace of `hypedc sim --trace`")),
         ("trace-line", closed(line, "A state in a trace of `hypedc sim --trace`, as JSON")),

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 mod page;
@@ -306,7 +306,17 @@ impl Expected {
 
 /// The requested script; reports why if there is none.
 pub(super) fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
-    let (path, text) = match (&args.inputs, &args.inputs_file) {
+    script_of((&args.inputs, &args.inputs_file), (args.frames.is_some(), "--frames N"), loaded, world)
+}
+
+/// A script from an argument or from a file; an empty one where an option gives a number of steps.
+pub(super) fn script_of(
+    (inputs, inputs_file): (&Option<String>, &Option<PathBuf>),
+    (has_steps, option): (bool, &str),
+    loaded: &mut Loaded,
+    world: WorldId,
+) -> io::Result<Option<Script>> {
+    let (path, text) = match (inputs, inputs_file) {
         (Some(text), _) => ("--inputs".into(), text.clone()),
         (None, Some(path)) => match Disk.read(path) {
             Ok(text) => (path.clone(), text),
@@ -315,10 +325,10 @@ pub(super) fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io:
                 return Ok(None);
             }
         },
-        (None, None) if args.frames.is_some() => return Ok(Some(Script::default())),
+        (None, None) if has_steps => return Ok(Some(Script::default())),
         (None, None) => {
             let why = "no inputs and no number of steps".to_string();
-            let help = Some("give `--inputs 'right*40'`, `--inputs-file PATH` or `--frames N`".to_string());
+            let help = Some(format!("give `--inputs 'right*40'`, `--inputs-file PATH` or `{option}`"));
             show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
             return Ok(None);
         }

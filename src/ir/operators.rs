@@ -272,6 +272,18 @@ pub enum CompareOp {
 }
 
 impl CompareOp {
+    /// As it is written.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            CompareOp::Equal => "==",
+            CompareOp::Unequal => "!=",
+            CompareOp::Less => "<",
+            CompareOp::AtMost => "<=",
+            CompareOp::Greater => ">",
+            CompareOp::AtLeast => ">=",
+        }
+    }
+
     /// The negation.
     #[must_use]
     pub fn negated(self) -> Self {

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    Actions, Arithmetic, By, Choice, CompareOp, Domain, Drive, Entity, Expr, ExprId, Function, Look, Origin, Place,
-    Press, Program, Push, RefValue, Release, Response, Send, SendId, Shape, Subject, TagSet, TileLayout, World,
+    Actions, Arithmetic, By, Choice, Domain, Drive, Entity, Expr, ExprId, Function, Look, Origin, Place, Press,
+    Program, Push, RefValue, Release, Response, Send, SendId, Shape, Subject, TagSet, TileLayout, World,
 };
 
 /// Formats a program.
@@ -369,14 +369,7 @@ fn expression<'a>(
             format!("{name}({})", args.join(", "))
         }
         Expr::Compare(op, a, b) => {
-            let op = match op {
-                CompareOp::Equal => "==",
-                CompareOp::Unequal => "!=",
-                CompareOp::Less => "<",
-                CompareOp::AtMost => "<=",
-                CompareOp::Greater => ">",
-                CompareOp::AtLeast => ">=",
-            };
+            let op = op.symbol();
             format!("{} {op} {}", sub(a), sub(b))
         }
         Expr::And(a, b) => format!("({} and {})", sub(a), sub(b)),

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use crate::compile::{Compilation, ExtraConstraint, LevelFile, compile_constrained};
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::source::{Files, ReadError, SourceMap, Span};
+use crate::source::{Files, ReadError};
+use crate::why::place;
 
-use super::protocol::{Finding, Place};
+use super::protocol::Finding;
 
 /// Maximum number of findings that are shown.
 const MAX_FINDINGS: usize = 50;
@@ -145,12 +146,4 @@ pub(super) fn findings(compilation: &Compilation) -> Vec<Finding> {
         helps: found.helps.clone(),
     };
     all.into_iter().take(MAX_FINDINGS).map(finding).collect()
-}
-
-/// A span as a place.
-pub(super) fn place(sources: &SourceMap, span: Span) -> Place {
-    let file = sources.file(span.file());
-    let at = |byte: u32| file.line_column_utf16(byte as usize);
-    let ((line, column), (end_line, end_column)) = (at(span.start()), at(span.end()));
-    Place { path: file.path.display().to_string(), line, column, end_line, end_column }
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax::{self, Number};
+use crate::why::place;
 
-use super::project::place;
 use super::protocol::Slider;
 
 /// The numbers of a program, in the order of its text. `written` are its files without numbers that were set.

@@ -4,6 +4,7 @@ pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
 pub(in crate::cli) mod page;
 pub(in crate::cli) mod set;
+pub(in crate::cli) mod why;
 
 use std::path::PathBuf;
 
@@ -15,6 +16,7 @@ pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
 pub(in crate::cli) use page::PageArgs;
 pub(in crate::cli) use set::SetArgs;
+pub(in crate::cli) use why::WhyArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
@@ -45,6 +47,8 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
+    /// Explains a step of a run: which edge was taken, which part of a guard failed, since when.
+    Why(WhyArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

@@ -1,81 +1,11 @@
-//! What the page tells of a program beside the level: instances, their edges and values, numbers that can be changed,
+//! What the page tells of a program beside the level: instances, their edges and values (of [`crate::why`]), numbers that can be changed,
 //! and searches.
 
 use serde::{Deserialize, Serialize};
 
 use super::Place;
 
-/// An instance at the current frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct Inspected {
-    /// Its slot.
-    pub slot: u32,
-    /// Whether it is there.
-    pub is_alive: bool,
-    /// Indices of its active modes, outer ones included.
-    pub modes: Vec<usize>,
-    /// Variables, discrete variables and parameters with their values as text, and for how long.
-    pub values: Vec<Value>,
-    /// The contact queries that hold.
-    pub contacts: Vec<Contact>,
-    /// The edges that were considered in the step that led to this frame.
-    pub edges: Vec<EdgeState>,
-}
-
-/// A contact query that holds.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct Contact {
-    /// The query as it is written, or the condition that it is in.
-    pub text: String,
-    /// The side that it asks for: `left`, `right`, `above` or `below`.
-    pub side: Option<String>,
-}
-
-/// A value.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct Value {
-    /// `variable`, `discrete`, `parameter`, `reference` or `timer`.
-    pub kind: String,
-    /// Its name.
-    pub name: String,
-    /// Its value with its unit, as the language writes it.
-    pub value: String,
-}
-
-/// An edge in the step that led to the current frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct EdgeState {
-    /// Its index in the entity.
-    pub edge: usize,
-    /// The mode whose edge it is, and the target.
-    pub from: usize,
-    /// The target; none if it stays.
-    pub to: Option<usize>,
-    /// Whether its guard held.
-    pub held: bool,
-    /// Whether it was taken.
-    pub taken: bool,
-    /// Its line in the text.
-    pub place: Option<Place>,
-    /// The parts of its guard that `and` and `or` join, with their values.
-    pub atoms: Vec<Atom>,
-}
-
-/// A part of a guard.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct Atom {
-    /// Its text.
-    pub text: String,
-    /// Whether it held; none if it could not be evaluated.
-    pub held: Option<bool>,
-    /// Of a comparison, both sides.
-    pub sides: Option<[f64; 2]>,
-}
+pub use crate::why::{Atom, Contact, EdgeState, Inspected, Value};
 
 /// A number in the text: a `param` or a `const` that is written as a literal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

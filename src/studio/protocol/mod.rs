@@ -6,6 +6,7 @@ mod scene;
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::why::Place;
 pub use inspected::*;
 pub use scene::*;
 
@@ -256,20 +257,4 @@ pub struct Finding {
     pub labels: Vec<(Place, String)>,
     /// Ways out.
     pub helps: Vec<String>,
-}
-
-/// A place in a file: lines and columns from 1, columns in UTF-16 code units.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct Place {
-    /// The path of the file.
-    pub path: String,
-    /// First line.
-    pub line: usize,
-    /// Column of its first character.
-    pub column: usize,
-    /// Last line.
-    pub end_line: usize,
-    /// Column after its last character.
-    pub end_column: usize,
 }

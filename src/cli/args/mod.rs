@@ -18,6 +18,7 @@ pub(in crate::cli) use set::SetArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
+use crate::cli::stuck::args::StuckArgs;
 use crate::cli::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
@@ -45,6 +46,8 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
+    /// Finds where a player gets stuck: places that can be reached from which a goal cannot be.
+    Stuck(StuckArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

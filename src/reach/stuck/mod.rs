@@ -3,12 +3,19 @@
 //! Where all states can be visited, the answer is exact: a backward search over the graph of all states tells which of
 //! them arrive (`graph.rs`, `fates.rs`), and the steps from those to the others are the points of no return
 //! (`ways_in.rs`). Luck is no obstacle: nature draws whatever helps.
+//!
+//! Elsewhere there are candidates: places from which no search arrives (`candidates.rs`). They are looked for among the
+//! places at which players rest (`roadmap.rs`), which random ways connect (`rollout.rs`).
 
+mod candidates;
 mod fates;
 mod graph;
 mod place;
+mod roadmap;
+mod rollout;
 mod ways_in;
 
+pub use candidates::{Candidate, CandidateAnswer, CandidateLimits, Unknown, find_candidates};
 pub use graph::Gap;
 pub use place::PlayerPlace;
 pub use ways_in::WayIn;

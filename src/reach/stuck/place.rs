@@ -127,13 +127,19 @@ impl<'p> Places<'p> {
         players.iter().map(one).collect::<Vec<_>>().join("; ")
     }
 
-    /// What differs in the instances that no player controls between two states, in words. `before` and `after` are at
-    /// the same time after the same state, so that what moves anyway does not count.
-    pub fn differences(&self, before: &[u8], after: &[u8]) -> Vec<String> {
-        let sim = self.problem.sim;
-        let world = sim.world();
-        let others = world.slots.ids().filter(|slot| world.slots[*slot].player.is_none());
-        others.filter_map(|slot| self.difference(sim.instance(before, slot), sim.instance(after, slot))).collect()
+    /// What differs in some instances between two states, in words.
+    pub fn differences(&self, before: &[u8], after: &[u8], slots: &[SlotId]) -> Vec<String> {
+        let of = |slot: &SlotId| {
+            let sim = self.problem.sim;
+            self.difference(sim.instance(before, *slot), sim.instance(after, *slot))
+        };
+        slots.iter().filter_map(of).collect()
+    }
+
+    /// The instances that no player controls.
+    pub fn others(&self) -> Vec<SlotId> {
+        let world = self.problem.sim.world();
+        world.slots.ids().filter(|slot| world.slots[*slot].player.is_none()).collect()
     }
 
     fn difference(&self, before: Instance<'_>, after: Instance<'_>) -> Option<String> {

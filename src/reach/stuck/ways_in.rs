@@ -79,8 +79,7 @@ fn groups(graph: &StateGraph, fates: &[Fate], places: &Places<'_>) -> BTreeMap<V
                 continue;
             }
             let key = places.players(graph.tree.state(NodeId(to)));
-            let group =
-                groups.entry(key).or_insert_with(|| Group { shortest: (from, to), steps, entered: Vec::new() });
+            let group = groups.entry(key).or_insert_with(|| Group { shortest: (from, to), steps, entered: Vec::new() });
             if steps < group.steps {
                 (group.shortest, group.steps) = ((from, to), steps);
             }
@@ -132,17 +131,12 @@ fn way_in(
     let index = index?;
     let last = input_of(controls, set, index);
     let script = script_to(graph, controls, from, Some(index));
-    Some(WayIn {
-        place: String::new(),
-        changes: changes(problem, &state, &last, places),
-        script,
-        last,
-        behind: 0,
-    })
+    Some(WayIn { place: String::new(), changes: changes(problem, &state, &last, places), script, last, behind: 0 })
 }
 
-/// What an input changes for good or ill: the differences to what would be without it, once nothing moves any more.
-pub(super) fn changes(problem: &Problem<'_>, from: &[u8], input: &Input, places: &Places<'_>) -> Vec<String> {
+/// What an input changes: the differences to what would be without it, once nothing moves any more. What moves anyway does
+/// not count.
+fn changes(problem: &Problem<'_>, from: &[u8], input: &Input, places: &Places<'_>) -> Vec<String> {
     let sim = problem.sim;
     let mut scratch = sim.scratch();
     let nothing = Input::nothing(sim.world().players.len());
@@ -163,5 +157,5 @@ pub(super) fn changes(problem: &Problem<'_>, from: &[u8], input: &Input, places:
             break;
         }
     }
-    places.differences(&without, &with)
+    places.differences(&without, &with, &places.others())
 }

@@ -20,6 +20,7 @@ pub(in crate::cli) use why::WhyArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
+use crate::cli::stuck::args::StuckArgs;
 use crate::cli::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
@@ -49,6 +50,8 @@ pub(in crate::cli) enum Command {
     Reach(ReachArgs),
     /// Explains a step of a run: which edge was taken, which part of a guard failed, since when.
     Why(WhyArgs),
+    /// Finds where a player gets stuck: places that can be reached from which a goal cannot be.
+    Stuck(StuckArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

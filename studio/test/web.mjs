@@ -12,6 +12,7 @@ import { pathToFileURL } from "node:url";
 
 import { games, inputs } from "../../bindings/web/test/games.mjs";
 import { PATIENCE, browser, game, hypedc, open, root, until } from "./browser.mjs";
+import { GRASS, HERO, meadow, untilColor } from "./meadow.mjs";
 
 const engine = process.env.HYPEDC_ENGINE ?? join(root, "bindings/web/dist/hypedc.wasm.gz");
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
@@ -159,6 +160,16 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
   const { equal, steps } = await compared(page, all.find(({ name }) => name === "car"));
   assert.ok(shown >= 500, `${shown} frames were shown`);
   assert.ok(equal >= 2000 && steps >= 2000, `${equal} positions in ${steps} steps`);
+  assert.deepEqual(errors, []);
+});
+
+test("an exported game holds its pictures", async (t) => {
+  const path = join(folder, "meadow.html");
+  run(["play", await meadow(), "--export", path, "--engine", engine]);
+  const { page, context, errors } = await open(chromium, pathToFileURL(path).href, { offline: true });
+  t.after(() => context.close());
+  await untilColor(page, 40, 24, HERO);
+  await untilColor(page, 100, 8, GRASS);
   assert.deepEqual(errors, []);
 });
 

@@ -12,6 +12,7 @@ import { pathToFileURL } from "node:url";
 
 import { games, inputs } from "../../bindings/web/test/games.mjs";
 import { PATIENCE, browser, game, hypedc, open, root, until } from "./browser.mjs";
+import { GRASS, HERO, meadow, untilColor } from "./meadow.mjs";
 
 const engine = process.env.HYPEDC_ENGINE ?? join(root, "bindings/web/dist/hypedc.wasm.gz");
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
@@ -162,6 +163,7 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
   assert.deepEqual(errors, []);
 });
 
+<<<<<<< HEAD
 /** Opens the report of a command without a network. */
 async function reported(t, args, options = {}) {
   const path = join(folder, `report-${args.join("-").replaceAll(/[^\w]+/g, "-")}.html`);
@@ -233,6 +235,18 @@ for (const colorScheme of ["light", "dark"]) {
   });
 }
 
+=======
+test("an exported game holds its pictures", async (t) => {
+  const path = join(folder, "meadow.html");
+  run(["play", await meadow(), "--export", path, "--engine", engine]);
+  const { page, context, errors } = await open(chromium, pathToFileURL(path).href, { offline: true });
+  t.after(() => context.close());
+  await untilColor(page, 40, 24, HERO);
+  await untilColor(page, 100, 8, GRASS);
+  assert.deepEqual(errors, []);
+});
+
+>>>>>>> page
 test("a search runs beside the play", async (t) => {
   const { page, errors } = await playing(t, "paper/test2");
   const asked = (request) => page.evaluate((of) => globalThis.studio.game.carrier.ask(of), request);

@@ -99,7 +99,7 @@ async function play(project: Project, parts: Promise<EngineParts>): Promise<void
   const theme = studio.bar.querySelector(".grow");
   theme?.after(
     button("Share", () => void share(studio, project), "small"),
-    button("Export", () => void exportGame(studio, project), "small"),
+    button("Export", () => void exportGame(studio, project), "small export"),
   );
   if (innerWidth >= WIDE) studio.sidebar.show("text");
   window.studio = studio;

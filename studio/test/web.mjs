@@ -163,7 +163,6 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
   assert.deepEqual(errors, []);
 });
 
-<<<<<<< HEAD
 /** Opens the report of a command without a network. */
 async function reported(t, args, options = {}) {
   const path = join(folder, `report-${args.join("-").replaceAll(/[^\w]+/g, "-")}.html`);
@@ -235,7 +234,6 @@ for (const colorScheme of ["light", "dark"]) {
   });
 }
 
-=======
 test("an exported game holds its pictures", async (t) => {
   const path = join(folder, "meadow.html");
   run(["play", await meadow(), "--export", path, "--engine", engine]);
@@ -246,7 +244,6 @@ test("an exported game holds its pictures", async (t) => {
   assert.deepEqual(errors, []);
 });
 
->>>>>>> page
 test("a search runs beside the play", async (t) => {
   const { page, errors } = await playing(t, "paper/test2");
   const asked = (request) => page.evaluate((of) => globalThis.studio.game.carrier.ask(of), request);

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::analysis;
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::Unreadable;
+use crate::diagnostic::catalogue::look::NoPicture;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{self, Program};
 use crate::level::{Format, read_dependencies};
@@ -153,6 +154,11 @@ fn stages(
     let kept = if is_kept && has_behaviors { trees.clone() } else { Vec::new() };
     let (mut checked, found) = sema::check(trees, &sources, given, occurrences);
     diagnostics.append(found);
+    for (name, path) in std::mem::take(&mut checked.pictures) {
+        if let Some(why) = files.bad_picture(&path) {
+            diagnostics.report(NoPicture { at: name.span, written: name.text.to_string(), why });
+        }
+    }
     if let (false, Some(root)) = (diagnostics.has_errors(), first) {
         diagnostics.append(lint::lint(&checked, root));
     }

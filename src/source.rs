@@ -254,6 +254,11 @@ pub trait Files {
     fn identity(&self, path: &Path) -> PathBuf {
         path.to_path_buf()
     }
+
+    /// Why a file is no picture that can be shown, in a few words; nothing if it is one, or if these files cannot tell.
+    fn bad_picture(&self, _path: &Path) -> Option<String> {
+        None
+    }
 }
 
 /// Checks size and encoding of a file's bytes and drops a byte order mark.

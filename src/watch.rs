@@ -25,8 +25,8 @@ pub trait Watch: Sync {
     fn progress(&self, _progress: Progress) {}
 
     /// Reports the place of a new node of a search that records its nodes: the space of the first player by its index,
-    /// and the player's position, px.
-    fn node(&self, _space: usize, _at: [f32; 2]) {}
+    /// the player's position, px, and the position in the node before, if it is in the same space.
+    fn node(&self, _space: usize, _at: [f32; 2], _before: Option<[f32; 2]>) {}
 }
 
 /// Never stops, and ignores progress.

@@ -28,6 +28,7 @@ await build({
   define,
 });
 await copyFile(new URL("src/playground/page.html", folder), new URL("index.html", target));
+await copyFile(new URL("dist/play.html", folder), new URL("play.html", target));
 await copyFile(engine, new URL("hypedc.wasm.gz", target));
 
 /** The module that draws pictures, for this process. */

@@ -15,6 +15,7 @@ mod guard;
 mod pictures;
 mod questions;
 mod reach;
+mod report_pages;
 mod stop;
 mod verdicts;
 mod why;

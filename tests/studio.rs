@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, WorldId};
-use hypedc::sim::{Event, Run};
+use hypedc::sim::{Event, Run, Simulator, TraceFormat, TraceLines};
 use hypedc::studio::{Answer, Frame, Held, Inspected, Level, Opened, Request, Role, Searching, Session, Shown, Target};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -104,6 +104,17 @@ fn every_frame_is_the_simulators_however_one_gets_there() {
                 bodies = &rest[5 * *count as usize..];
             }
         }
+        // All that a state is made of, as in a trace.
+        let sim = Simulator::new(&program, WorldId(0));
+        let (mut run, lines) = (Run::new(&program, WorldId(0)).unwrap(), TraceLines::new(&sim, TraceFormat::Jsonl));
+        let mut expected = lines.state(0, &run.nothing(), run.state()).unwrap();
+        for (step, input) in (1..).zip(script.inputs()) {
+            run.step(input).unwrap();
+            expected.push_str(&lines.state(step, &run.drawn(input), run.state()).unwrap());
+        }
+        let traced = text(session.answer(Request::Trace { from: 0, count: 3_600 }));
+        assert_eq!(traced.lines().count() as u64, script.len() + 1, "{}", path.display());
+        assert!(traced == expected, "{}", path.display());
         for _ in 0..30 {
             let at = rng.random_range(0..frames.len());
             let shown = shown(session.answer(Request::Seek { frame: at as u64 }));

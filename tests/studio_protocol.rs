@@ -1,4 +1,4 @@
-//! `studio/src/protocol.ts` has the types of `src/studio/protocol.rs`: it is written from their JSON Schemas.
+//! `studio/src/protocol.ts` has the types of `src/studio/protocol`: it is written from their JSON Schemas.
 //!
 //! `UPDATE=1 cargo test --test runtime studio_protocol` rewrites it.
 
@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 
 const FILE: &str = "studio/src/protocol.ts";
 const HEAD: &str = "\
-// What the page asks and what it is answered: the types of src/studio/protocol.rs.
+// What the page asks and what it is answered: the types of src/studio/protocol.
 // Written by `UPDATE=1 cargo test --test runtime studio_protocol`.
 ";
 

@@ -18,7 +18,23 @@ impl Files for Disk {
     fn identity(&self, path: &Path) -> PathBuf {
         path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        let mut file = match open(path) {
+            Ok(file) => file,
+            Err(ReadError::Unreadable(why)) => return Some(why),
+            Err(_) => return Some("it cannot be read".to_string()),
+        };
+        let mut begin = [0; PNG.len()];
+        match file.read_exact(&mut begin) {
+            Ok(()) if begin == PNG => None,
+            _ => Some("it is no PNG file".to_string()),
+        }
+    }
 }
+
+/// How a PNG file begins.
+const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 /// Opens a regular file for reading.
 ///

@@ -27,6 +27,10 @@ impl Files for Folders {
     fn identity(&self, path: &Path) -> PathBuf {
         Disk.identity(path)
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        Disk.bad_picture(path)
+    }
 }
 
 impl Workspace for Folders {

@@ -21,6 +21,7 @@ mod ir;
 #[cfg(feature = "lsp")]
 mod lsp;
 mod new;
+mod page;
 mod pictures;
 mod play;
 mod reach;
@@ -31,6 +32,7 @@ mod report;
 mod schemas;
 mod sim;
 mod sim_sweep;
+mod stuck;
 mod sweep;
 mod time;
 mod watches;
@@ -80,6 +82,7 @@ pub fn main() -> ExitCode {
         Command::Reach(args) if corpus::is_corpus_run(&args) => corpus::run(&args),
         Command::Reach(args) => reach::run(&args),
         Command::Why(args) => why::run(&args),
+        Command::Stuck(args) => stuck::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

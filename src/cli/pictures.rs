@@ -20,21 +20,31 @@ const MAX_SIDE: u32 = 4096;
 /// # Errors
 /// A message if one of them cannot be read.
 pub(super) fn images(program: &Program, file: &Path) -> Result<Images, String> {
-    let folder = file.parent().unwrap_or(Path::new(""));
     let mut images = Images::default();
     for name in program.looks.pictures() {
-        let path = folder.join(name);
-        let why = |why: &dyn std::fmt::Display| format!("cannot show `{}`: {why}", path.display());
-        let size = std::fs::metadata(&path).map_err(|error| why(&error))?.len();
-        if size > MAX_BYTES {
-            return Err(why(&format!("it has more than {} MiB", MAX_BYTES >> 20)));
-        }
-        let bytes = std::fs::read(&path).map_err(|error| why(&error))?;
-        let image = decoded(&bytes).map_err(|error| why(&error))?;
-        let address = format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes));
+        let (image, address) = image(name, file)?;
         images.add(name, image, address);
     }
     Ok(images)
+}
+
+/// Reads the picture of a name, from the folder of a program; also returns an address that holds the whole file.
+///
+/// # Errors
+/// A message if it cannot be read, or is no PNG file.
+pub(super) fn image(name: &str, program: &Path) -> Result<(Image, String), String> {
+    let path = program.parent().unwrap_or(Path::new("")).join(name);
+    let why = |why: &dyn std::fmt::Display| format!("cannot show `{}`: {why}", path.display());
+    let of = std::fs::metadata(&path).map_err(|error| why(&error))?;
+    if !of.is_file() {
+        return Err(why(&"it is no regular file"));
+    }
+    if of.len() > MAX_BYTES {
+        return Err(why(&format!("it has more than {} MiB", MAX_BYTES >> 20)));
+    }
+    let bytes = std::fs::read(&path).map_err(|error| why(&error))?;
+    let image = decoded(&bytes).map_err(|error| why(&error))?;
+    Ok((image, format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes))))
 }
 
 /// Decodes a PNG file.
@@ -83,14 +93,13 @@ pub(super) fn marks(sim: &Simulator, goals: &[Option<u64>], nevers: &[Option<u64
     goals.chain(nevers).collect()
 }
 
-/// Writes the picture of a run.
-pub(super) fn save_svg(
-    path: &Path,
+/// The picture of a run.
+pub(super) fn run_svg(
     (program, world): (&Program, WorldId),
     run: &Run,
     outcome: &Outcome<'_>,
     images: &Images,
-) -> io::Result<()> {
+) -> String {
     let goals: Vec<GoalId> = program.worlds[world].goals.ids().collect();
     let mut notes: Vec<String> = outcome.end.iter().cloned().collect();
     if !outcome.script.is_empty() {
@@ -107,5 +116,5 @@ pub(super) fn save_svg(
         notes: &notes,
         images,
     };
-    std::fs::write(path, picture_svg(program, world, &picture))
+    picture_svg(program, world, &picture)
 }

@@ -7,6 +7,8 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+mod page;
+
 use crate::compile::{Asked, Changes, ExtraQuestion, LevelFile, compile_changed, question_name};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
@@ -24,7 +26,8 @@ use super::Exit;
 use super::animation;
 use super::args::{SimArgs, TraceFormatName};
 use super::disk::Disk;
-use super::pictures::{self, Outcome, marks, save_svg};
+use super::page::carried;
+use super::pictures::{self, Outcome, marks, run_svg};
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load_changed, plain_error, program_sha256, show, show_fact};
 use super::sim_sweep;
@@ -64,6 +67,10 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
+    let carried = match carried(&args.page, file, args.level.file()) {
+        Ok(carried) => carried,
+        Err(why) => return why.show(),
+    };
     let sim = Simulator::new(&loaded.program, world);
     let frames = args.frames.unwrap_or(script.len());
     // The trace is that of the program as it is written: a predicate that is expected is no part of it.
@@ -85,8 +92,12 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         })?;
     }
     let mut report = Report::new(&sim);
-    let shows = args.svg.is_some() || args.animation.gif.is_some();
-    let images = if shows { pictures::images(&loaded.program, file) } else { Ok(Images::default()) };
+    let draws = args.svg.is_some() || carried.is_some();
+    let images = if draws || args.animation.gif.is_some() {
+        pictures::images(&loaded.program, file)
+    } else {
+        Ok(Images::default())
+    };
     let images = match images {
         Ok(images) => images,
         Err(why) => {
@@ -94,7 +105,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
-    let mut recorder = args.svg.is_some().then(|| Recorder::new(&sim));
+    let mut recorder = draws.then(|| Recorder::new(&sim));
     let ended = drive(&sim, (&script, args.chance), frames, &Interrupt::new(), &mut |step, input, state, scratch| {
         report.observe(step, state);
         report.record_events(step, scratch, state);
@@ -108,19 +119,33 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
         trace.finish()?;
     }
     let to_stdout = args.trace.as_ref().is_some_and(|p| p.as_os_str() == "-");
+    let text = report.text(&file.display().to_string());
     if !to_stdout {
-        write!(io::stdout(), "{}", report.text(&file.display().to_string()))?;
+        write!(io::stdout(), "{text}")?;
     }
-    show(&loaded.sources, &report.findings(&loaded.program, world))?;
+    let findings = report.findings(&loaded.program, world);
+    show(&loaded.sources, &findings)?;
     let unmet = expected.unmet(&report);
     unmet.iter().try_for_each(|why| plain_error(why))?;
-    if let (Some(path), Some(recorder)) = (&args.svg, recorder) {
+    if let Some(recorder) = recorder {
         let inputs = script.text(&loaded.program, world);
         let outcome = report.outcome(&inputs, &ended, unmet.is_empty());
         let run = recorder.finish(&report.last, outcome.marks.clone());
-        if let Err(error) = save_svg(path, (&loaded.program, world), &run, &outcome, &images) {
+        let picture = run_svg((&loaded.program, world), &run, &outcome, &images);
+        if let Some(path) = &args.svg
+            && let Err(error) = fs::write(path, &picture)
+        {
             plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
             return Ok(Exit::Refused);
+        }
+        if let (Some(carried), Some(path)) = (&carried, &args.page.html) {
+            let (unmet, findings, outcome) = (unmet.as_slice(), (&loaded.sources, &findings), &outcome);
+            let said = page::Said { text: &text, unmet, findings, outcome, picture };
+            let saved = page::save((carried, path), &sim, (&script, args.chance), said, &Interrupt::new())?;
+            if let Err(why) = saved {
+                plain_error(&why)?;
+                return Ok(Exit::Refused);
+            }
         }
     }
     if let Some(path) = &args.animation.gif {

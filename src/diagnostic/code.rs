@@ -112,6 +112,7 @@ codes! {
     UnknownSetting Warning "W0505" "a level sets what an entity does not have"
     BeyondBounds Warning "W0506" "something can only happen out of bounds, where a run ends"
     UnknownLevelName Warning "W0507" "a level has a name that the program almost knows"
+    NoPicture Warning "W0508" "a picture cannot be shown"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
     GuardByValue Warning "W0701" "by its values, a guard never or always holds"
     ModeByValue Warning "W0702" "by the values, a mode is never entered"

@@ -1,7 +1,7 @@
 //! The statechart graph, and its construction from a program.
 
 use super::excerpt;
-use crate::ir::{self, Actions, Choice, EntityId, EntitySpans, ModeId, Place, Program, RefValue};
+use crate::ir::{self, Actions, Choice, EntityId, EntitySpans, Id, ModeId, Place, Program, RefValue};
 use crate::source::SourceMap;
 
 /// The statechart of an entity.
@@ -61,6 +61,8 @@ pub struct Mode {
 /// An internal action of a mode.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Action {
+    /// Its index among the edges of the entity; none of `follow links`.
+    pub edge: Option<usize>,
     /// Its guard.
     pub guard: String,
     /// Its updates.
@@ -135,7 +137,7 @@ impl Reader<'_> {
         let mut internal: Vec<Action> = stays
             .map(|(edge, _)| {
                 let (guard, updates) = excerpt::edge(self.sources.slice(self.spans.edges[edge]));
-                Action { guard, updates }
+                Action { edge: Some(edge.index()), guard, updates }
             })
             .collect();
         internal.extend(self.follows(id));
@@ -173,7 +175,7 @@ impl Reader<'_> {
         own.map(|follow| {
             let text = self.sources.slice(self.spans.follows[follow]);
             let (guard, updates) = excerpt::edge(text);
-            Action { guard, updates }
+            Action { edge: None, guard, updates }
         })
         .collect()
     }

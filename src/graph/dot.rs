@@ -80,7 +80,7 @@ fn write_initial(out: &mut Writer<'_>, depth: usize, point: &str, initial: &Init
 fn mode_label(mode: &Mode) -> Vec<String> {
     let mut lines = vec![mode.title()];
     lines.extend(mode.entry.iter().map(|update| format!("entry / {}", short(update, WIDTH))));
-    for Action { guard, updates } in &mode.internal {
+    for Action { guard, updates, .. } in &mode.internal {
         lines.extend(wrapped(guard, WIDTH));
         lines.extend(updates.iter().map(|update| format!("/ {}", short(update, WIDTH))));
     }

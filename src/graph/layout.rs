@@ -52,8 +52,10 @@ impl Rect {
 pub(super) enum LineKind {
     /// The mode's name.
     Name,
-    /// An entry action, or the guard of an internal action.
+    /// An entry action, or the guard of `follow links`.
     Action,
+    /// The guard of an edge without a target: its index among the edges of the entity.
+    Internal(usize),
     /// An update of an internal action.
     Effect,
     /// The first line of an edge's guard, with the index of the edge.
@@ -179,7 +181,8 @@ fn lines(chart: &Chart, index: usize, mode: &Mode) -> Vec<Line> {
         add(LineKind::Action, short(&format!("entry / {update}"), WIDTH));
     }
     for action in &mode.internal {
-        wrapped(&action.guard, WIDTH).into_iter().for_each(|text| add(LineKind::Action, text));
+        let kind = action.edge.map_or(LineKind::Action, LineKind::Internal);
+        wrapped(&action.guard, WIDTH).into_iter().for_each(|text| add(kind, text));
         action.updates.iter().for_each(|update| add(LineKind::Effect, short(&format!("/ {update}"), WIDTH)));
     }
     for (id, edge) in chart.edges.iter().enumerate().filter(|(_, edge)| edge.source == index) {
@@ -211,7 +214,7 @@ fn width(chart: &Chart, out: &Layout, mode: usize) -> f64 {
     let line = |line: &Line| match line.kind {
         // A clock follows the name.
         LineKind::Name => letters(&line.text) + 2.0 * LINE,
-        LineKind::Action => letters(&line.text),
+        LineKind::Action | LineKind::Internal(_) => letters(&line.text),
         LineKind::Effect => letters(&line.text) + INDENT,
         LineKind::Guard(_) | LineKind::GuardContinued | LineKind::Update => letters(&line.text) + NUMBER,
         LineKind::Target(_) => letters(&line.text) + NUMBER + LINE,

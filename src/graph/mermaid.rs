@@ -97,7 +97,8 @@ fn write_initial(out: &mut Writer<'_>, depth: usize, initial: &Initial) {
 }
 
 fn edge_label(edge: &Edge) -> String {
-    let action = Action { guard: format!("{}. {}", edge.order, edge.guard), updates: edge.updates.clone() };
+    let action =
+        Action { edge: Some(edge.id), guard: format!("{}. {}", edge.order, edge.guard), updates: edge.updates.clone() };
     action_label(&action)
 }
 

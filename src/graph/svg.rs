@@ -86,6 +86,7 @@ impl Drawing<'_> {
                 }
                 LineKind::Effect => self.text("quiet", (x + INDENT, line.y), &line.text),
                 LineKind::Action => self.text("quiet", (x, line.y), &line.text),
+                LineKind::Internal(edge) => self.text(&format!("quiet\" data-edge=\"{edge}"), (x, line.y), &line.text),
                 LineKind::Guard(edge) => {
                     let edge = &self.chart.edges[edge];
                     let (color, center) = (color(edge.target), x + 7.0);

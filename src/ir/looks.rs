@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{EntityId, Program, SlotId, TagId, TagSet, WorldId};
+use super::{EntityId, Program, SlotId, SpaceId, TagId, TagSet, WorldId};
 
 /// What a thing looks like.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,6 +59,43 @@ pub struct TagLook {
     pub look: Look,
 }
 
+/// A tile of a level editor: a part of a picture.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct TilePicture {
+    /// The index of the picture.
+    pub picture: u16,
+    /// The part: left, top, width and height, pixels.
+    pub part: [u32; 4],
+    /// How it is mirrored: 4 along the diagonal from the upper left corner, then 1 horizontally, then 2 vertically; or a
+    /// sum of these.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub mirrored: u8,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &u8) -> bool {
+    *number == 0
+}
+
+/// What the cells of a map show in the level editor that it was made with.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct MapLook {
+    /// The world.
+    pub world: WorldId,
+    /// The space with the map; no other entry of the world has it.
+    pub space: SpaceId,
+    /// The paths of pictures, as those of looks.
+    pub pictures: Vec<String>,
+    /// Parts of them.
+    pub tiles: Vec<TilePicture>,
+    /// What cells show, the lowest tile first: indices in `tiles`. The first one is nothing.
+    pub stacks: Vec<Vec<u16>>,
+    /// For each cell of the map, in its order, what it shows: an index in `stacks`.
+    pub cells: Vec<u16>,
+}
+
 /// All looks of a program.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
@@ -69,12 +106,15 @@ pub struct Looks {
     /// Those of tags, world by world in source order. Of several tags of a thing the first one here counts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tags: Vec<TagLook>,
+    /// What maps of level editors show.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub maps: Vec<MapLook>,
 }
 
 impl Looks {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.entities.is_empty() && self.tags.is_empty()
+        self.entities.is_empty() && self.tags.is_empty() && self.maps.is_empty()
     }
 
     /// The look of an entity.
@@ -88,7 +128,20 @@ impl Looks {
         looks.find(|entry| TagSet::of(entry.tag).meets(tags)).map(|entry| &entry.look)
     }
 
-    /// The paths of all pictures, each once.
+    /// What the map of a space shows.
+    pub fn of_map(&self, world: WorldId, space: SpaceId) -> Option<&MapLook> {
+        self.maps.iter().find(|entry| entry.world == world && entry.space == space)
+    }
+
+    /// The paths of the pictures of level editors' tiles, each once.
+    pub fn tile_pictures(&self) -> Vec<&str> {
+        let mut paths: Vec<&str> = self.maps.iter().flat_map(|map| &map.pictures).map(String::as_str).collect();
+        paths.sort_unstable();
+        paths.dedup();
+        paths
+    }
+
+    /// The paths of the pictures that the text names, each once.
     pub fn pictures(&self) -> Vec<&str> {
         let looks = self.entities.iter().map(|entry| &entry.look).chain(self.tags.iter().map(|entry| &entry.look));
         let mut paths: Vec<&str> = looks.filter_map(Look::picture).collect();

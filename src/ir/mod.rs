@@ -45,7 +45,7 @@ pub use inputs::{Chance, Inputs};
 pub use json::{JSON_VERSION, NotAProgram};
 pub use layout::{Layout, Rest, SlotLayout, TileLayout};
 pub use limits::{MAX_AXES, MAX_BUTTONS, MAX_CHANCES, MAX_COLLIDE_LINES, MAX_INSTANCES, MAX_INT, MAX_MODES, MAX_TAGS};
-pub use looks::{EntityLook, Look, Looks, TagLook};
+pub use looks::{EntityLook, Look, Looks, MapLook, TagLook, TilePicture};
 pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use period::Period;

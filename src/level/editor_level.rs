@@ -8,6 +8,7 @@ use crate::source::Span;
 
 use super::MAX_TILES;
 use super::node::LevelError;
+use super::tile_art::TileArt;
 
 /// Maximum number of kinds of cells of a map.
 const MAX_KINDS: usize = 4_096;
@@ -29,6 +30,8 @@ pub struct EditorLevel {
     pub rectangles: Vec<(Vec<String>, [f64; 4], Span)>,
     /// The objects, in the order of the file.
     pub objects: Vec<Object>,
+    /// What its cells show in the editor, if that is known.
+    pub art: Option<TileArt>,
 }
 
 /// The meaning of a name of a level.
@@ -173,7 +176,7 @@ impl Grid {
         let kinds = self.kinds.into_iter().zip(&used).filter(|(_, is_used)| **is_used).map(|(kind, _)| kind).collect();
         let cells = self.cells.into_iter().map(|kind| numbers[usize::from(kind)]).collect();
         let (columns, rows) = (self.columns, self.rows);
-        EditorLevel { columns, rows, tile, kinds, cells, rectangles: Vec::new(), objects: Vec::new() }
+        EditorLevel { columns, rows, tile, kinds, cells, rectangles: Vec::new(), objects: Vec::new(), art: None }
     }
 }
 

@@ -3,6 +3,9 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
 
 use crate::diagnostic::similar;
 use crate::source::{FileId, SourceMap, Span};
@@ -12,6 +15,7 @@ use super::editor_level::{EditorLevel, Grid, Meaning, Object, Setting, Value, to
 use super::node::{LevelError, Node};
 use super::numbers::{Data, listed};
 use super::objects::too_many_objects;
+use super::tile_art::TileArt;
 use super::tiled::FileError;
 
 /// All levels of a project in its order, world by world.
@@ -62,17 +66,29 @@ pub(super) fn ldtk(
     meaning: &dyn Fn(&str) -> Meaning,
 ) -> Result<EditorLevel, FileError> {
     let level = select_level(root, level).map_err(|error| (file, error))?;
+    let folder = sources.file(file).path.parent().unwrap_or(Path::new(""));
     let Some(path) = level.get("externalRelPath") else {
-        return Reader { root, file, meaning }.level(level).map_err(|error| (file, error));
+        return Reader { root, folder, file, meaning }.level(level).map_err(|error| (file, error));
     };
     let missing = || (file, LevelError::missing(path.at.clone()));
     let other = beside(&path.text).ok_or_else(missing)?;
     let node = Node::read(sources.file(other).text()).map_err(|error| (other, error))?;
-    Reader { root, file: other, meaning }.level(&node).map_err(|error| (other, error))
+    Reader { root, folder, file: other, meaning }.level(&node).map_err(|error| (other, error))
+}
+
+/// A tile that a layer shows: its place, that of its picture in the tileset, and how it is mirrored.
+#[derive(Deserialize)]
+struct Tile {
+    px: [i64; 2],
+    src: [u32; 2],
+    #[serde(default)]
+    f: u32,
 }
 
 struct Reader<'a, 't> {
     root: &'a Node<'t>,
+    /// The folder of the project: pictures are named from it.
+    folder: &'a Path,
     file: FileId,
     meaning: &'a dyn Fn(&str) -> Meaning,
 }
@@ -120,9 +136,45 @@ impl Reader<'_, '_> {
                 }
             }
         }
+        let art = self.art(level, (columns, rows, side));
         let mut result = grid.into_level((side, side));
+        result.art = Some(art).filter(|art| !art.is_empty());
         result.objects = objects;
         Ok(result)
+    }
+
+    /// What the cells show: the tiles of all layers on the grid, those that mean nothing included.
+    fn art(&self, level: &Node<'_>, (columns, rows, side): (usize, usize, f64)) -> TileArt {
+        let mut art = TileArt::new(columns * rows);
+        let layers: Vec<&Node<'_>> = level.children(&["layerInstances"]).collect();
+        // The topmost layer comes first.
+        for layer in layers.into_iter().rev() {
+            let number = |name: &str| layer.number(name).ok().flatten().unwrap_or(0.0);
+            let is_moved = number("__pxTotalOffsetX") != 0.0 || number("__pxTotalOffsetY") != 0.0;
+            if layer.text_of("visible") == "false" || is_moved || number("__gridSize") != side {
+                continue;
+            }
+            let Some(path) = layer.get("__tilesetRelPath") else { continue };
+            let uid = layer.text_of("__tilesetDefUid");
+            let sets = self.root.child("defs").into_iter().flat_map(|defs| defs.children(&["tilesets"]));
+            let size = sets.filter(|set| set.text_of("uid") == uid).find_map(|set| set.count("tileGridSize").ok()?);
+            let Some(size) = size else { continue };
+            let path = self.folder.join(&*path.text);
+            let lists = ["autoLayerTiles", "gridTiles"].into_iter().filter_map(|name| layer.child(name));
+            let tiles = lists.flat_map(|list| serde_json::from_str::<Vec<Tile>>(list.text).unwrap_or_default());
+            for Tile { px: [x, y], src: [left, top], f } in tiles {
+                let mirrored = f & 3;
+                let (column, row) = ((x as f64 / side).floor(), (y as f64 / side).floor());
+                let is_in = |at: f64, count: usize| (0.0..count as f64).contains(&at);
+                if !is_in(column, columns) || !is_in(row, rows) {
+                    continue;
+                }
+                let cell = (rows - 1 - row as usize) * columns + column as usize;
+                let key = [uid.parse().unwrap_or(0), left, top, mirrored];
+                art.put(cell, key, mirrored as u8, || Some((path.clone(), [left, top, size, size])));
+            }
+        }
+        art
     }
 
     /// The values of a layer's grid, if it has one.

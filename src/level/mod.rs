@@ -9,6 +9,7 @@ mod legend;
 mod node;
 mod numbers;
 mod objects;
+mod tile_art;
 mod tiled;
 #[cfg(feature = "tiled")]
 mod xml;
@@ -17,6 +18,7 @@ pub use editor::{Format, read_dependencies, read_level};
 pub use editor_level::{EditorLevel, Meaning, Object, Setting, Value};
 pub use inline::{InlineTile, inline_map, text_rows};
 pub use legend::legend;
+pub use tile_art::TileArt;
 
 /// Maximum number of tiles of a map.
 pub const MAX_TILES: usize = 4_000_000;

@@ -59,7 +59,7 @@ pub(super) struct Node<'t> {
     pub text: &'t str,
     /// The byte where that text begins.
     pub text_at: usize,
-    /// Whether it is an array of scalars, or an empty one.
+    /// Whether it is an array of scalars, an empty one, or one of [`LISTS`].
     pub is_list: bool,
 }
 
@@ -157,7 +157,10 @@ impl<'de: 't, 't> Deserialize<'de> for Members<'t> {
 }
 
 /// Members that may be large and that no reader needs.
-const UNREAD: &[&str] = &["autoLayerTiles", "gridTiles", "autoRuleGroups", "__neighbours", "toc", "__tile", "wangsets"];
+const UNREAD: &[&str] = &["autoRuleGroups", "__neighbours", "toc", "__tile", "wangsets"];
+
+/// Members that are kept as they are written: they have an object for each cell.
+const LISTS: &[&str] = &["autoLayerTiles", "gridTiles"];
 
 struct JsonReader<'t> {
     text: &'t str,
@@ -203,7 +206,7 @@ impl<'t> JsonReader<'t> {
             }
             match value.as_bytes().first() {
                 Some(b'{') => children.push(self.object(key, value, depth + 1)?),
-                Some(b'[') if value[1..].trim_start().starts_with('{') => {
+                Some(b'[') if value[1..].trim_start().starts_with('{') && !LISTS.contains(&key.as_str()) => {
                     let parts: Vec<&'t RawValue> = serde_json::from_str(value).map_err(broken)?;
                     for part in parts.into_iter().map(RawValue::get).filter(|part| part.starts_with('{')) {
                         children.push(self.object(key.clone(), part, depth + 1)?);

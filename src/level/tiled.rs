@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use crate::source::{FileId, SourceMap, Span};
 
@@ -14,6 +15,7 @@ use super::editor_level::{EditorLevel, Grid, Meaning, Object, Setting, Value, na
 use super::node::{LevelError, Node, Scalar};
 use super::numbers::Data;
 use super::objects::{Shape, too_many_objects};
+use super::tile_art::{Sheet, TileArt, mirrored};
 use super::{MAX_OBJECTS, MAX_TILES};
 
 /// The bits of a tile's number that encode its mirroring and rotation.
@@ -39,6 +41,7 @@ struct Tileset {
     /// Number of tiles; none if the file does not say.
     count: Option<u32>,
     tiles: BTreeMap<u32, Tile>,
+    sheet: Sheet,
 }
 
 /// All tilesets of a map, by their first numbers.
@@ -52,6 +55,13 @@ impl Tilesets {
         let set = self.0.iter().rev().find(|set| set.first <= number)?;
         let own = number - set.first;
         set.tiles.get(&own).or_else(|| set.count.is_none_or(|count| own < count).then_some(PLAIN))
+    }
+
+    /// The picture of the tile of a number, and the part of it.
+    fn part(&self, number: u32) -> Option<(PathBuf, [u32; 4])> {
+        let number = number & !FLAGS;
+        let set = self.0.iter().rev().find(|set| set.first <= number)?;
+        set.sheet.part(number - set.first)
     }
 }
 
@@ -76,6 +86,7 @@ pub(super) struct Reader<'a> {
     pub top: f64,
     pub rectangles: Vec<(Vec<String>, [f64; 4], Span)>,
     pub objects: Vec<Object>,
+    art: TileArt,
     numbers: usize,
 }
 
@@ -114,6 +125,7 @@ pub(super) fn tiled(
         top: 0.0,
         rectangles: Vec::new(),
         objects: Vec::new(),
+        art: TileArt::default(),
         numbers: 0,
     };
     reader.map(root).map_err(own)
@@ -127,16 +139,17 @@ fn tilesets(
     beside: &dyn Fn(&str) -> Option<FileId>,
 ) -> Result<Tilesets, FileError> {
     let mut sets = Vec::new();
+    let folder = |file: FileId| sources.file(file).path.parent().map(Path::to_path_buf).unwrap_or_default();
     for node in root.children(&["tileset", "tilesets"]) {
         let first = node.needed("firstgid", node.count("firstgid")).map_err(|error| (file, error))?;
         match node.get("source") {
-            None => sets.push(tileset(node, file, first).map_err(|error| (file, error))?),
+            None => sets.push(tileset(node, file, first, &folder(file)).map_err(|error| (file, error))?),
             Some(source) => {
                 let missing = || (file, LevelError::missing(source.at.clone()));
                 let other = beside(&source.text).ok_or_else(missing)?;
                 let set = Node::read(sources.file(other).text()).and_then(|node| {
                     if node.name == "tileset" || node.text_of("type") == "tileset" {
-                        tileset(&node, other, first)
+                        tileset(&node, other, first, &folder(other))
                     } else {
                         Err(LevelError::new(node.head(), "this is no tileset of Tiled"))
                     }
@@ -149,7 +162,7 @@ fn tilesets(
     Ok(Tilesets(sets))
 }
 
-fn tileset(node: &Node<'_>, file: FileId, first: u32) -> Result<Tileset, LevelError> {
+fn tileset(node: &Node<'_>, file: FileId, first: u32, folder: &Path) -> Result<Tileset, LevelError> {
     let mut tiles = BTreeMap::new();
     for tile in node.children(&["tile", "tiles"]) {
         let id = tile.needed("id", tile.count("id"))?;
@@ -158,7 +171,7 @@ fn tileset(node: &Node<'_>, file: FileId, first: u32) -> Result<Tileset, LevelEr
         tiles.insert(id, Tile { class: class.unwrap_or("").to_string(), tags, settings });
     }
     let count = node.count("tilecount")?.filter(|count| *count > 0);
-    Ok(Tileset { first, count, tiles })
+    Ok(Tileset { first, count, tiles, sheet: Sheet::read(node, folder) })
 }
 
 /// The tags and the other properties of a node.
@@ -233,10 +246,12 @@ impl Reader<'_> {
         };
         self.height = grid.rows() as f64 * self.tile.1;
         self.numbers = 0;
+        self.art = TileArt::new(grid.columns() * grid.rows());
         self.layers(root, (0.0, 0.0), &mut grid)?;
         let mut level = grid.into_level(self.tile);
         level.rectangles = std::mem::take(&mut self.rectangles);
         level.objects = std::mem::take(&mut self.objects);
+        level.art = Some(std::mem::take(&mut self.art)).filter(|art| !art.is_empty());
         Ok(level)
     }
 
@@ -281,6 +296,9 @@ impl Reader<'_> {
             let (x, y) = (layer.number("offsetx")?.unwrap_or(0.0), layer.number("offsety")?.unwrap_or(0.0));
             let moved = (moved.0 + x, moved.1 + y);
             if (self.meaning)(layer.text_of("name")) == Meaning::Nothing {
+                if kind == "tiles" && moved == (0.0, 0.0) {
+                    self.scenery(layer, (grid.columns(), grid.rows()));
+                }
                 continue;
             }
             match kind {
@@ -307,14 +325,34 @@ impl Reader<'_> {
         Ok(all)
     }
 
+    /// Shows a layer that means nothing; what cannot be read of it is not shown.
+    fn scenery(&mut self, layer: &Node<'_>, (columns, rows): (usize, usize)) {
+        if !is_visible(layer) {
+            return;
+        }
+        for chunk in chunks(layer).unwrap_or_default() {
+            let numbers = self.numbers(&chunk).unwrap_or_default();
+            for (index, number) in numbers.into_iter().enumerate().filter(|(_, number)| number & !FLAGS != 0) {
+                let column = chunk.x + (index % chunk.columns) as i64 - self.origin.0;
+                let row = chunk.y + (index / chunk.columns) as i64 - self.origin.1;
+                let (Ok(column), Ok(row)) = (usize::try_from(column), usize::try_from(row)) else { continue };
+                if column < columns && row < rows {
+                    let cell = (rows - 1 - row) * columns + column;
+                    self.art.put(cell, [number, 0, 0, 0], mirrored(number), || self.sets.part(number));
+                }
+            }
+        }
+    }
+
     /// Puts a layer of tiles into the grid.
     fn tiles(&mut self, layer: &Node<'_>, grid: &mut Grid) -> Result<(), LevelError> {
         let fallback = self.layer_names(layer)?;
         let called = layer.text_of("name");
         let mut known: BTreeMap<u32, (u16, Option<Tile>)> = BTreeMap::new();
+        let (is_visible, columns, rows) = (is_visible(layer), grid.columns(), grid.rows());
         for chunk in chunks(layer)? {
-            for (index, number) in self.numbers(&chunk)?.into_iter().enumerate() {
-                let number = number & !FLAGS;
+            for (index, flagged) in self.numbers(&chunk)?.into_iter().enumerate() {
+                let number = flagged & !FLAGS;
                 if number == 0 {
                     continue;
                 }
@@ -334,6 +372,11 @@ impl Reader<'_> {
                     }
                 };
                 grid.put(column, row, *kind, &chunk.data.at)?;
+                // What becomes an instance moves: it is no part of the map.
+                if is_visible && instance.is_none() {
+                    let cell = (rows - 1 - row) * columns + column;
+                    self.art.put(cell, [flagged, 0, 0, 0], mirrored(flagged), || self.sets.part(number));
+                }
                 if let Some(Tile { class, settings, .. }) = instance {
                     if self.objects.len() >= MAX_OBJECTS {
                         return Err(too_many_objects(chunk.data.at.clone()));
@@ -369,6 +412,11 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether the editor shows a layer.
+fn is_visible(layer: &Node<'_>) -> bool {
+    !matches!(layer.text_of("visible"), "false" | "0")
 }
 
 /// Maximum number of objects whose place in a list of numbers is searched for exactly: the search is linear.

@@ -39,6 +39,10 @@ impl Files for Overlay<'_> {
         let path = normalize(path);
         if self.open.contains_key(&path) { path } else { self.disk.identity(&path) }
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        self.disk.bad_picture(&normalize(path))
+    }
 }
 
 /// A compiled program at one point in time.

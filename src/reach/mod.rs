@@ -46,6 +46,7 @@ mod searcher;
 mod shorten;
 mod start_hold;
 mod strategy;
+pub mod stuck;
 mod tree;
 mod window;
 

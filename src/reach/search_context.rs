@@ -167,12 +167,15 @@ impl<'a> SearchContext<'a> {
     fn record(&mut self, node: NodeId, parent: NodeId) {
         let (Some(begin), Some(&player)) = (self.recorded, self.problem.players().first()) else { return };
         let state = self.tree.state(node);
-        let (x, y) = self.problem.sim.position(state, player);
+        let place = |state: &[u8]| {
+            let (x, y) = self.problem.sim.position(state, player);
+            (self.problem.sim.space(state, player), [x as f32, y as f32])
+        };
+        let (space, at) = place(state);
+        let before = Some(place(self.tree.state(parent))).filter(|(of, _)| *of == space).map(|(_, at)| at);
         let parent = (begin + parent.index()) as u32;
-        let space = self.problem.sim.space(state, player);
-        let at = [x as f32, y as f32];
         self.notes.record.push(Visited { parent, space, at });
-        self.meter.watch().node(space.0 as usize, at);
+        self.meter.watch().node(space.0 as usize, at, before);
     }
 
     /// Number of starts.

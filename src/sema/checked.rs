@@ -2,6 +2,7 @@
 //! is kept; `ir` flattens it.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::ir::{
@@ -33,6 +34,8 @@ pub struct Checked {
     pub other_tags: BTreeSet<String>,
     /// The looks of entities.
     pub entity_looks: Vec<EntityLook>,
+    /// Where looks name pictures, and the paths of their files.
+    pub pictures: Vec<(Name, PathBuf)>,
     /// Tags of tiles that are declared breakable.
     pub breakable: BTreeSet<TagId>,
     /// Whether a world takes its map from the command line.

@@ -2,8 +2,8 @@
 
 use crate::ir::Period;
 use crate::ir::{
-    DiscreteId, EntityId, GoalId, IdVec, Look, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId, SpaceId,
-    TagId, TileMap, VarId,
+    DiscreteId, EntityId, GoalId, IdVec, Look, MapLook, NeverId, Origin, ParamId, PlayerId, RefId, Response, SlotId,
+    SpaceId, TagId, TileMap, VarId,
 };
 
 use crate::source::Span;
@@ -34,6 +34,8 @@ pub struct World {
     pub limits: Vec<(EntityId, u32)>,
     /// The looks of tags, in source order.
     pub looks: Vec<(Name, Look)>,
+    /// What maps of level editors show; their world is not known yet.
+    pub map_looks: Vec<MapLook>,
     /// Its players.
     pub players: IdVec<PlayerId, Player>,
     /// What is looked for.

@@ -70,7 +70,7 @@ impl Checker<'_> {
             }
             return;
         };
-        let EditorLevel { columns, rows, tile, kinds: names, cells, rectangles, objects } = level;
+        let EditorLevel { columns, rows, tile, kinds: names, cells, rectangles, objects, art } = level;
         let objects_too = rectangles.iter().flat_map(|(names, ..)| names).map(|name| (name, true));
         let unexplained = names.iter().flatten().map(|name| (name, false)).chain(objects_too);
         let unexplained: BTreeMap<&String, bool> =
@@ -94,6 +94,7 @@ impl Checker<'_> {
             breakable: names.iter().find_map(|name| breakable.get(name.as_str()).copied()),
         });
         let tile_kinds = tile_kinds.collect();
+        world.map_looks.extend(art.and_then(|art| self.map_look(art, id)));
         world.spaces[id].map = Some(TileMap { columns, rows, tile, kinds: tile_kinds, cells });
         for (names, rect, span) in rectangles {
             let tags = tags(self, &names);

@@ -1,10 +1,11 @@
 //! `look`: a colour or a picture. Only the form is checked here, and nothing that runs depends on it.
 
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use crate::diagnostic::catalogue::look::{BadLook, WhyNoLook};
-use crate::ir::{EntityId, EntityLook, Look};
-use crate::source::FileId;
+use crate::ir::{EntityId, EntityLook, Id, Look, MapLook, SpaceId, WorldId};
+use crate::level::TileArt;
+use crate::source::{FileId, normalize};
 use crate::syntax::ast::{self, Appearance, Name, WorldItem};
 
 use super::Checker;
@@ -41,6 +42,16 @@ impl Checker<'_> {
         looks
     }
 
+    /// What a map shows; none if its pictures have no path from the folder of the program.
+    pub(super) fn map_look(&self, art: TileArt, space: SpaceId) -> Option<MapLook> {
+        let folder = self.sources.file(self.root).path.parent().map(Path::to_path_buf).unwrap_or_default();
+        let named =
+            |path: &PathBuf| (path.is_absolute() == folder.is_absolute()).then(|| relative(&folder, &normalize(path)));
+        let pictures = art.pictures.iter().map(named).collect::<Option<Vec<String>>>()?;
+        let TileArt { tiles, stacks, cells, .. } = art;
+        Some(MapLook { world: WorldId::from_index(0), space, pictures, tiles, stacks, cells })
+    }
+
     fn look(&mut self, appearance: &Appearance) -> Option<Look> {
         let (look, written) = match appearance {
             Appearance::Color(color) => (self::color(&color.text), color),
@@ -56,7 +67,7 @@ impl Checker<'_> {
     }
 
     /// A path as written is relative to the file that it is written in; a look's is relative to the program.
-    fn picture(&self, path: &Name) -> Result<Look, WhyNoLook> {
+    fn picture(&mut self, path: &Name) -> Result<Look, WhyNoLook> {
         let text = path.text.as_str();
         let is_inside = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
         let is_absolute = text.starts_with(['/', '\\']) || text.contains(':');
@@ -68,7 +79,13 @@ impl Checker<'_> {
             return Err(WhyNoLook::NoPng);
         }
         let folder = |id: FileId| self.sources.file(id).path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Ok(Look::Picture(relative(&folder(self.root), &folder(path.span.file()).join(text))))
+        let file = folder(path.span.file()).join(text);
+        let look = Look::Picture(relative(&folder(self.root), &file));
+        // A behaviour's is met wherever it is used.
+        if self.checked.pictures.iter().all(|(known, _)| known.span != path.span) {
+            self.checked.pictures.push((path.clone(), file));
+        }
+        Ok(look)
     }
 }
 

@@ -50,6 +50,7 @@ impl Checker<'_> {
             instances: IdVec::new(),
             limits: Vec::new(),
             looks: Vec::new(),
+            map_looks: Vec::new(),
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),

@@ -9,7 +9,9 @@ use crate::ir::{
     Program, Rest, Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
 };
 
-/// The flow of a variable in a step: degree and value.
+use super::state::one_zero;
+
+/// The flow of a variable in a step: degree and value, which is never negative zero.
 pub(super) type Flow = (u8, f64);
 
 /// A closed range of values.
@@ -51,8 +53,31 @@ pub(super) struct Plan {
     pub row: Vec<Flow>,
     /// Whether these are all drives of the entity.
     pub is_steady: bool,
+    /// The same flows without branches, if these are all drives and nothing else bounds or records what moves.
+    pub straight: Option<Box<[Straight]>>,
     /// The timers that run.
     pub timers: Vec<TimerId>,
+}
+
+/// A constant flow of degree 1, 2 or 3 as one formula: `a' = a * keeps[0] + adds[0]`, `v' = v * keeps[1] + (a' * dt +
+/// adds[1])`. A product with 0 and a sum with 0 are exact, so it gives the same bits as the flow.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Straight {
+    /// What is kept of the acceleration and of the velocity, 0 or 1.
+    pub keeps: [f64; 2],
+    /// What is added to them.
+    pub adds: [f64; 2],
+}
+
+impl Straight {
+    fn new((degree, value): Flow) -> Option<Straight> {
+        match degree {
+            1 => Some(Straight { keeps: [0.0, 0.0], adds: [0.0, value] }),
+            2 => Some(Straight { keeps: [0.0, 1.0], adds: [value, 0.0] }),
+            3 => Some(Straight { keeps: [1.0, 1.0], adds: [0.0, 0.0] }),
+            _ => None,
+        }
+    }
 }
 
 /// The guard of an edge. Most guards are one of few forms, which are decided without a look at the expressions.
@@ -62,8 +87,9 @@ pub(super) enum Guard {
     Touching(TouchId, bool),
     /// A button, and whether it must be so.
     Button(Press, ButtonId, bool),
-    /// A variable of the instance itself, or a derivative, compared with a constant.
-    Compare(CompareOp, VarId, u8, f64),
+    /// A variable of the instance itself, or a derivative: the least and the greatest value, and whether it must be among
+    /// them.
+    Within(VarId, u8, Range, bool),
     /// Any other expression.
     Expr(ExprId),
 }
@@ -79,11 +105,26 @@ impl Guard {
                 _ => Guard::Expr(id),
             },
             Expr::Compare(op, a, b) => match (at(a), at(b)) {
-                (Expr::Var(Subject::Me, var, degree), Expr::Number(n)) => Guard::Compare(op, var, degree, n),
+                (Expr::Var(Subject::Me, var, degree), Expr::Number(n)) if !n.is_nan() => {
+                    let (range, wanted) = within(op, n);
+                    Guard::Within(var, degree, range, wanted)
+                }
                 _ => Guard::Expr(id),
             },
             _ => Guard::Expr(id),
         }
+    }
+}
+
+/// The numbers that compare so with another, as a closed range, and whether they are those inside of it.
+fn within(op: CompareOp, n: f64) -> (Range, bool) {
+    match op {
+        CompareOp::Equal => ((n, n), true),
+        CompareOp::Unequal => ((n, n), false),
+        CompareOp::AtMost => ((f64::NEG_INFINITY, n), true),
+        CompareOp::Greater => ((f64::NEG_INFINITY, n), false),
+        CompareOp::AtLeast => ((n, f64::INFINITY), true),
+        CompareOp::Less => ((n, f64::INFINITY), false),
     }
 }
 
@@ -94,7 +135,7 @@ impl Code {
         let fixed = |drive: &Drive| match *drive {
             Drive::Coast(var) => Some((var.index(), COAST)),
             Drive::Flow { var, degree, value } => match at(value) {
-                Expr::Number(n) => Some((var.index(), (degree, n))),
+                Expr::Number(n) => Some((var.index(), (degree, one_zero(n)))),
                 _ => None,
             },
             Drive::Envelope(..) => None,
@@ -109,16 +150,20 @@ impl Code {
             all_steady[var] = flow;
         }
         let is_single = entity.groups.len() == 1 && free.is_empty();
+        let moves_freely = entity.clamps.is_empty() && entity.timers.is_empty() && !has_peaks(entity);
         let plan = |leaf: &crate::ir::Leaf| {
             let (steady, drives) = split(&leaf.drives);
             let mut row = all_steady.clone();
             for &(var, flow) in &steady {
                 row[var] = flow;
             }
+            let is_steady = is_single && drives.is_empty();
+            let straight = || row.iter().map(|flow| Straight::new(*flow)).collect();
             Plan {
+                straight: (is_steady && moves_freely).then(straight).flatten(),
                 edges: leaf.edges.iter().map(|&edge| (Guard::new(entity.edges[edge].guard, at), edge)).collect(),
                 is_busy: !leaf.internal.is_empty() || !leaf.follows.is_empty(),
-                is_steady: is_single && drives.is_empty(),
+                is_steady,
                 steady,
                 drives,
                 row,
@@ -136,6 +181,11 @@ impl Code {
     }
 }
 
+/// Whether any envelope records its peak.
+fn has_peaks(entity: &Entity) -> bool {
+    entity.envelopes.iter().any(|envelope| envelope.peak.is_some())
+}
+
 /// The bounds that clamps give each variable and its velocity; `None` if one of them is not constant.
 fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec<[Range; 2]>> {
     let unbounded = (f64::NEG_INFINITY, f64::INFINITY);
@@ -145,7 +195,7 @@ fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec
         let high = clamp.high.map_or(Some(unbounded.1), &number)?;
         let limit = limits[clamp.var.index()].get_mut(usize::from(clamp.degree))?;
         // Several clamps in sequence equal one.
-        *limit = (limit.0.max(low).min(high), limit.1.max(low).min(high));
+        *limit = (one_zero(limit.0.max(low).min(high)), one_zero(limit.1.max(low).min(high)));
     }
     Some(limits)
 }
@@ -214,8 +264,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
             Arc::new(Code::new(entity, exprs))
         });
         let (code, base) = (code.clone(), entity.code.from.0);
-        let has_peaks = entity.envelopes.iter().any(|e| e.peak.is_some());
-        let is_bounded = has_peaks || !entity.clamps.is_empty() && code.limits.is_none();
+        let is_bounded = has_peaks(entity) || !entity.clamps.is_empty() && code.limits.is_none();
         out.push(Actor {
             id,
             entity: Arc::clone(entity),
@@ -309,5 +358,31 @@ impl Actor {
     #[inline]
     pub fn group_ids(&self) -> impl Iterator<Item = GroupId> + use<> {
         (0..self.groups.len()).map(GroupId::from_index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ir::compare;
+
+    #[test]
+    fn a_range_of_a_comparison_holds_the_numbers_that_compare_so() {
+        let numbers = [f64::NEG_INFINITY, -1.5, -f64::MIN_POSITIVE, -0.0, 0.0, f64::MIN_POSITIVE, 3.0, f64::INFINITY];
+        for op in [
+            CompareOp::Equal,
+            CompareOp::Unequal,
+            CompareOp::Less,
+            CompareOp::AtMost,
+            CompareOp::Greater,
+            CompareOp::AtLeast,
+        ] {
+            for n in numbers {
+                let ((low, high), wanted) = within(op, n);
+                for v in numbers {
+                    assert_eq!((low <= v && v <= high) == wanted, compare(op, v, n), "{v} {op:?} {n}");
+                }
+            }
+        }
     }
 }

@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::ir::{
-    Bounce, Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Meeting, Program, Push, Response, Shape, Side,
-    SlotId, Solid, SpaceId, TagSet, World,
+    Bounce, Bounds, ColliderId, Entity, EntityId, ExprId, Id, IdVec, Program, Push, Shape, Side, SlotId, Solid,
+    SpaceId, TagSet, World,
 };
 
 use crate::watch::Meter;
@@ -19,6 +19,7 @@ use super::broad_phase::{BroadPhase, Sweep, each, is_few};
 use super::chance::Frames;
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::covered_faces::Adjacency;
+use super::encounter::Encounter;
 use super::fault::Fault;
 use super::seam::{Images, MAX_IMAGES, Seams, solids};
 use super::simulator::{Scratch as StepScratch, Simulator};
@@ -44,6 +45,10 @@ pub(super) struct Collision {
     pub contact_readers: Vec<usize>,
     /// The slots that can be pushed and carried.
     pub movable: Vec<usize>,
+    /// The bodies of instances that may move and can touch a static obstacle.
+    meeting: Vec<usize>,
+    /// Whether no space wraps and no map has slopes.
+    is_common: bool,
     /// Cost of moving all instances and their boxes, in units of work.
     moves: u64,
     /// For each space, which static obstacles are adjacent.
@@ -99,57 +104,6 @@ pub(super) struct Kind {
     pub meets_tiles: Vec<bool>,
     /// For each space, whether it can touch any free-standing rectangle.
     pub meets_solids: Vec<bool>,
-}
-
-/// The contact rule between a body and something else.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Encounter {
-    pub meeting: Meeting,
-    /// The tags of the other.
-    pub tags: TagSet,
-    /// The contact bits that a contact sets, for each side of the body: those of the first 64 queries that are not
-    /// bound.
-    bits: [u64; 4],
-    /// Whether there are further bits to set.
-    pub more: bool,
-    /// How it stops velocities, as in [`super::contact::Stops`].
-    pub stop: u16,
-}
-
-impl Encounter {
-    fn new(world: &World, bounces: &[Bounce], entity: &Entity, mine: TagSet, tags: TagSet) -> Option<Self> {
-        let meeting = world.meeting(mine, tags)?;
-        let Response { stop, bounce, .. } = meeting.response;
-        let stop = if stop { 1 + bounces.partition_point(|weaker| *weaker < bounce) as u16 } else { 0 };
-        let mut bits = [0; 4];
-        let mut more = false;
-        for (id, touch) in entity.touches.pairs() {
-            if !touch.mine.meets(mine) || !tags.meets(TagSet::of(touch.other)) {
-                continue;
-            }
-            if touch.bound || id.index() >= 64 {
-                more = true;
-                continue;
-            }
-            for side in Side::ALL {
-                if touch.side.is_none_or(|wanted| wanted == side) {
-                    bits[side as usize] |= 1 << id.index();
-                }
-            }
-        }
-        Some(Encounter { meeting, tags, bits, more, stop })
-    }
-
-    /// Whether a contact sets no contact bit of the body.
-    pub fn is_unread(&self) -> bool {
-        !self.more && self.bits == [0; 4]
-    }
-
-    /// Whether a contact has no effect on the body.
-    fn is_idle(&self) -> bool {
-        let response = self.meeting.response;
-        response.push == Push::Sense && !response.carry && self.is_unread()
-    }
 }
 
 /// Cost of moving an instance or a box, in units of work.
@@ -277,6 +231,8 @@ impl Collision {
         let rare_maps = world.spaces.pairs().map(|(id, space)| space.wraps() || has_slopes(id));
         let rare_maps = Some(rare_maps.collect::<Box<[bool]>>()).filter(|rare| rare.contains(&true));
         Collision {
+            meeting: (0..moving).filter(|body| bodies[*body].meets).collect(),
+            is_common: seams.is_none() && slopes.is_none(),
             bodies,
             moving,
             moves,
@@ -315,7 +271,20 @@ impl Collision {
 }
 
 impl Simulator {
+    /// As [`Simulator::collide`], where a call matters little: a copy less to compile.
+    #[inline(never)]
+    pub(super) fn collide_apart(
+        &self,
+        state: &mut [u8],
+        scratch: &mut StepScratch,
+        push: bool,
+        meter: &Meter<'_>,
+    ) -> Result<(), Fault> {
+        self.collide(state, scratch, push, meter)
+    }
+
     /// Detects all contacts and, with `push`, resolves the blocking ones; returns early if the meter stops it.
+    #[inline(always)]
     pub(super) fn collide(
         &self,
         state: &mut [u8],
@@ -326,7 +295,8 @@ impl Simulator {
         if push && self.collision.carries {
             self.carry(state, &scratch.start);
         }
-        if let Some(seams) = &self.collision.seams {
+        let is_rare = !self.collision.is_common;
+        if is_rare && let Some(seams) = &self.collision.seams {
             self.bring_in(seams, state, &mut scratch.start);
         }
         self.place_boxes(state, scratch)?;
@@ -375,7 +345,7 @@ impl Simulator {
                 *work = work.wrapping_add(compared as u64);
             }
         }
-        if let Some(seams) = &self.collision.seams {
+        if is_rare && let Some(seams) = &self.collision.seams {
             self.collide_across(seams, state, &mut scratch.collision, meter);
         }
         if let Some(still) = &self.still {
@@ -386,9 +356,9 @@ impl Simulator {
         }
         let Scratch { boxes, displacements, lengths, .. } = &mut scratch.collision;
         let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
-        for (at, body) in bodies.iter().enumerate() {
-            let rect = &boxes[at];
-            if body.meets && rect.active {
+        for &at in &self.collision.meeting {
+            let (body, rect) = (&bodies[at], &boxes[at]);
+            if rect.active {
                 let kind = &self.collision.kinds[body.kind];
                 let at = body.slot.index();
                 let mut looked_at = 0;
@@ -403,7 +373,7 @@ impl Simulator {
                 }
             }
         }
-        if let Some(slopes) = &self.collision.slopes {
+        if is_rare && let Some(slopes) = &self.collision.slopes {
             self.collide_slopes(slopes, state, &mut scratch.collision, push, meter);
         }
         if push {
@@ -414,7 +384,7 @@ impl Simulator {
                     displacements[slot].push_out(state, &self.actors[slot].layout, &self.collision.bounces);
                 }
             }
-            if let Some(seams) = &self.collision.seams {
+            if is_rare && let Some(seams) = &self.collision.seams {
                 self.bring_in(seams, state, &mut scratch.start);
             }
         }

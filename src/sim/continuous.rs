@@ -7,14 +7,14 @@ use std::cell::Cell;
 
 use crate::ir::{Clamp, Drive, Entity, GroupId, Id, VarId};
 
-use super::actor::{Actor, COAST, Flow, Plan};
+use super::actor::{Actor, COAST, Flow, Plan, Straight};
 use super::chance::Frames;
 use super::discrete::TakenEdge;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::simulator::{Scratch, Simulator};
-use super::state::{real, set_triple, triple};
+use super::state::{one_zero, real, set_moved, set_triple, triple};
 
 impl Simulator {
     /// Moves every live slot by one step; `STILL` as in [`Simulator::step_of`].
@@ -43,8 +43,8 @@ impl Simulator {
             if !actor.layout.acts(state) {
                 continue;
             }
-            let plan = only_plan(state, actor);
-            if !plan.is_some_and(|p| p.is_steady) {
+            let steady = steady_plan(state, actor);
+            if steady.is_none() {
                 self.read_flows(state, actor, frames, taken, &mut flows[actor.vars.clone()], &fault);
             }
             if actor.is_bounded {
@@ -52,15 +52,14 @@ impl Simulator {
             }
             // If no instance reads another, each can move at once.
             if self.moves_independently {
-                self.move_by(state, actor, flows_of(actor, plan, flows), clamps, peaks, start)?;
+                self.move_by(state, actor, (steady, flows), clamps, peaks, start)?;
             }
         }
         Self::check_fault(&fault)?;
         if !self.moves_independently {
             for actor in actors {
                 if actor.layout.acts(state) {
-                    let flows = flows_of(actor, only_plan(state, actor), flows);
-                    self.move_by(state, actor, flows, clamps, peaks, start)?;
+                    self.move_by(state, actor, (steady_plan(state, actor), flows), clamps, peaks, start)?;
                 }
             }
         }
@@ -126,16 +125,32 @@ impl Simulator {
         &self,
         state: &mut [u8],
         actor: &Actor,
-        flows: &[Flow],
+        (steady, read): (Option<&Plan>, &[Flow]),
         clamps: &[(f64, f64)],
         peaks: &[u16],
         start: &mut [(f64, f64)],
     ) -> Result<(), Fault> {
         let layout = &actor.layout;
-        let values = layout.triples_mut(state, flows.len());
-        if let [x, y, ..] = values {
-            start[actor.index()] = (real(x, 0), real(y, 0));
+        if let Some(Plan { straight: Some(straight), .. }) = steady {
+            let values = layout.triples_mut(state, straight.len());
+            note_start(actor, values, start);
+            let mut sum = 0.0;
+            let mut rest = straight.iter();
+            for values in values.iter_mut() {
+                let Some(flow) = rest.next() else { break };
+                let moved = moved_straight(triple(values), flow, self.step);
+                // Without clamps, a velocity or an acceleration that is not finite makes the position not finite.
+                sum += moved[0];
+                set_moved(values, moved);
+            }
+            return if f64::is_finite(sum) { Ok(()) } else { diverged(actor, values) };
         }
+        let flows = match steady {
+            Some(plan) => &*plan.row,
+            None => &read[actor.vars.clone()],
+        };
+        let values = layout.triples_mut(state, flows.len());
+        note_start(actor, values, start);
         let mut sum = 0.0;
         if actor.is_bounded {
             let (all, bounds) = (&actor.entity.clamps, &clamps[actor.clamps.clone()]);
@@ -155,13 +170,13 @@ impl Simulator {
                 };
                 let moved = moved(triple(values), flows[index], self.step, within);
                 sum += total(moved);
-                set_triple(values, moved);
+                set_moved(values, moved);
             }
         } else {
             for (index, values) in values.iter_mut().enumerate() {
                 let moved = moved(triple(values), flows[index], self.step, |v, _| v);
                 sum += total(moved);
-                set_triple(values, moved);
+                set_moved(values, moved);
             }
         }
         // A value that is not finite makes the sum not finite; a sum of finite numbers may overflow, too.
@@ -183,19 +198,28 @@ impl Simulator {
     }
 }
 
-/// The only plan of an instance with a single group.
+/// The plan of an instance with a single group, if it gives all flows.
 #[inline]
-fn only_plan<'a>(state: &[u8], actor: &'a Actor) -> Option<&'a Plan> {
-    actor.code.is_single.then(|| &actor.code.plans[actor.layout.leaf(state, GroupId(0))])
+fn steady_plan<'a>(state: &[u8], actor: &'a Actor) -> Option<&'a Plan> {
+    let code = &*actor.code;
+    let plan = code.is_single.then(|| &code.plans[actor.layout.leaf(state, GroupId(0))]);
+    plan.filter(|plan| plan.is_steady)
 }
 
-/// The flows of an instance: constant ones, or those evaluated in this step.
-#[inline]
-fn flows_of<'a>(actor: &Actor, plan: Option<&'a Plan>, read: &'a [Flow]) -> &'a [Flow] {
-    match plan {
-        Some(plan) if plan.is_steady => &plan.row,
-        _ => &read[actor.vars.clone()],
+/// Stores the position before anything moves.
+#[inline(always)]
+fn note_start(actor: &Actor, values: &[[u8; 24]], start: &mut [(f64, f64)]) {
+    if let [x, y, ..] = values {
+        start[actor.index()] = (real(x, 0), real(y, 0));
     }
+}
+
+/// A variable after a step of a constant flow.
+#[inline(always)]
+fn moved_straight([position, velocity, acceleration]: [f64; 3], flow: &Straight, dt: f64) -> [f64; 3] {
+    let acceleration = acceleration * flow.keeps[0] + flow.adds[0];
+    let velocity = velocity * flow.keeps[1] + (acceleration * dt + flow.adds[1]);
+    [position + velocity * dt, velocity, acceleration]
 }
 
 /// A variable after a step; `clip` clamps a value of a degree.
@@ -250,12 +274,12 @@ fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: 
 fn read_drive(reader: &Reader<'_>, entity: &Entity, drive: Drive, own: &mut [Flow]) {
     match drive {
         Drive::Coast(var) => own[var.index()] = COAST,
-        Drive::Flow { var, degree, value } => own[var.index()] = (degree, reader.number(value)),
+        Drive::Flow { var, degree, value } => own[var.index()] = (degree, one_zero(reader.number(value))),
         Drive::Envelope(id, component) => {
             let envelope = &entity.envelopes[id];
             let component = usize::from(component);
             let value = envelope_value(reader, id, envelope, component);
-            own[envelope.vars[component].index()] = (envelope.degree, value);
+            own[envelope.vars[component].index()] = (envelope.degree, one_zero(value));
         }
     }
 }

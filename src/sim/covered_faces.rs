@@ -7,8 +7,9 @@
 use crate::ir::{Bounds, Push, Side, Slope, Solid, Space, SpaceId};
 use crate::watch::Meter;
 
-use super::collision::{Body, Encounter, Kind};
+use super::collision::{Body, Kind};
 use super::contact::{Contact, Displacement, Overlap, Rect, TOLERANCE};
+use super::encounter::Encounter;
 use super::seam::Around;
 use super::simulator::Simulator;
 

@@ -6,7 +6,6 @@ use std::cell::Cell;
 
 use crate::ir::{
     Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Place, Send, SendId, SlotId, Transition, Update,
-    compare,
 };
 
 use super::actor::{Actor, Guard, Plan};
@@ -76,7 +75,6 @@ impl Simulator {
             if !actor.layout.acts(state) {
                 continue;
             }
-            let (entity, slot) = (&*actor.entity, actor.id);
             if !actor.code.is_joint {
                 // No group depends on another.
                 let alone = || self.reader(actor, state, frames, &[], fault);
@@ -85,12 +83,13 @@ impl Simulator {
                     let plan = &actor.code.plans[from];
                     let edge = first_edge(actor, state, frames, plan, alone);
                     if edge.is_some() || plan.is_busy {
-                        let choice = edge.and_then(|edge| taken_edge(&alone(), entity, group, from, edge));
-                        acting.push(ActingGroup { slot, group, choice });
+                        let choice = edge.and_then(|edge| taken_edge(&alone(), &actor.entity, group, from, edge));
+                        acting.push(ActingGroup { slot: actor.id, group, choice });
                     }
                 }
                 continue;
             }
+            let (entity, slot) = (&*actor.entity, actor.id);
             let own = actor.groups.clone();
             taken[own.clone()].fill(None);
             for &group in &entity.order {
@@ -271,7 +270,10 @@ fn first_edge<'a>(
             Guard::Button(press, button, wanted) => {
                 frames.of(actor).is_some_and(|frame| frame.button(press, button)) == wanted
             }
-            Guard::Compare(op, var, degree, n) => compare(op, actor.layout.moving_var(state, var, degree), n),
+            Guard::Within(var, degree, (low, high), wanted) => {
+                let value = actor.layout.moving_var(state, var, degree);
+                (low <= value && value <= high) == wanted
+            }
             Guard::Expr(id) => reader().truth(id),
         };
         if holds {

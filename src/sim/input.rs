@@ -75,26 +75,24 @@ impl Input {
 /// A player's input for guards, including changes since the last step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Frame {
-    pub held: u64,
-    pub pressed: u64,
-    pub released: u64,
+    /// The buttons, by [`Press`].
+    buttons: [u64; 3],
     pub axes: [f64; MAX_AXES],
 }
 
 impl Frame {
     #[inline]
     pub fn new(now: PlayerInput, last: u64) -> Frame {
-        Frame { held: now.buttons, pressed: now.buttons & !last, released: last & !now.buttons, axes: now.axes }
+        let mut buttons = [0; 3];
+        buttons[Press::Pressed as usize] = now.buttons & !last;
+        buttons[Press::Held as usize] = now.buttons;
+        buttons[Press::Released as usize] = last & !now.buttons;
+        Frame { buttons, axes: now.axes }
     }
 
     /// Whether a button is as asked.
     #[inline]
     pub fn button(&self, press: Press, button: ButtonId) -> bool {
-        let bits = match press {
-            Press::Pressed => self.pressed,
-            Press::Held => self.held,
-            Press::Released => self.released,
-        };
-        bits >> button.index() & 1 == 1
+        self.buttons[press as usize] >> button.index() & 1 == 1
     }
 }

@@ -30,7 +30,7 @@ impl<'a> Instance<'a> {
     }
 
     /// The bytes of the state.
-    pub(super) fn bytes(self) -> &'a [u8] {
+    pub fn bytes(self) -> &'a [u8] {
         self.state
     }
 

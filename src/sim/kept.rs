@@ -3,8 +3,8 @@
 
 use crate::ir::{Bounds, Push, Side};
 
-use super::collision::Encounter;
 use super::contact::{Contact, Displacement, Rect, TOLERANCE};
+use super::encounter::Encounter;
 use super::simulator::Simulator;
 use super::slope_contact::Mover;
 use super::tiles::Tile;

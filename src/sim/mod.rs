@@ -7,6 +7,7 @@
 mod actor;
 mod breakable;
 mod broad_phase;
+mod carried;
 mod carry;
 pub(crate) mod chance;
 mod collision;
@@ -14,6 +15,7 @@ mod contact;
 mod continuous;
 mod covered_faces;
 mod discrete;
+mod encounter;
 mod envelope;
 mod evaluate;
 mod event;
@@ -38,6 +40,7 @@ mod still_bodies;
 mod tiles;
 mod trace;
 
+pub use carried::Carried;
 pub use chance::{Draw, DrawId, Draws};
 pub use event::Event;
 pub use fault::{Fault, FaultKind};

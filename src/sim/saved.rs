@@ -120,7 +120,7 @@ impl Simulator {
     }
 
     /// Checks a slot of a state.
-    fn check(&self, state: &[u8], slot: SlotId) -> Result<(), &'static str> {
+    pub(super) fn check(&self, state: &[u8], slot: SlotId) -> Result<(), &'static str> {
         let (layout, entity, world) = (self.layout(slot), self.entity(slot), self.world());
         let must = |holds: bool, what| if holds { Ok(()) } else { Err(what) };
         match state[layout.alive] {

@@ -268,38 +268,60 @@ impl Simulator {
     /// As there.
     pub fn metered_initial(&self, scratch: &mut Scratch, meter: &Meter<'_>) -> Result<State, Fault> {
         let mut state = State::new(vec![0; self.world.layout.size]);
-        for (id, slot) in self.world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
-            let layout = self.layout(id);
-            for (param, value) in slot.params.pairs() {
-                layout.set_param(&mut state, param, *value);
-            }
-            for (reference, target) in slot.refs.pairs() {
-                layout.set_reference(&mut state, reference, *target);
-            }
-            for (var, values) in slot.vars.pairs() {
-                for (degree, value) in (0u8..).zip(values) {
-                    layout.set_var(&mut state, var, degree, *value);
-                }
-            }
-            for (discrete, value) in slot.discretes.pairs() {
-                layout.set_discrete(&mut state, discrete, *value);
-            }
-            let fault = Cell::new(None);
-            for (group, g) in self.entity(id).groups.pairs() {
-                let reader = self.reader(&self.actors[id.index()], &state, Frames::NONE, &[], &fault);
-                let leaf = reader.entered(reader.chosen(&g.choices, g.first));
-                layout.set_leaf(&mut state, group, leaf);
-            }
-            Self::check_fault(&fault)?;
-            layout.set_space(&mut state, slot.space);
-            layout.set_life(&mut state, Life::Alive);
+        for (id, _) in self.world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
+            self.place(id, &mut state)?;
         }
+        self.first_contacts(&mut state, scratch, meter)?;
+        Ok(state)
+    }
+
+    /// Places the instance of a slot as the world's table says.
+    ///
+    /// # Errors
+    /// A [`Fault`] if a guard of an initial mode breaks a rule.
+    pub(super) fn place(&self, id: SlotId, state: &mut State) -> Result<(), Fault> {
+        let (slot, layout) = (&self.world.slots[id], self.layout(id));
+        for (param, value) in slot.params.pairs() {
+            layout.set_param(state, param, *value);
+        }
+        for (reference, target) in slot.refs.pairs() {
+            layout.set_reference(state, reference, *target);
+        }
+        for (var, values) in slot.vars.pairs() {
+            for (degree, value) in (0u8..).zip(values) {
+                layout.set_var(state, var, degree, *value);
+            }
+        }
+        for (discrete, value) in slot.discretes.pairs() {
+            layout.set_discrete(state, discrete, *value);
+        }
+        let fault = Cell::new(None);
+        for (group, g) in self.entity(id).groups.pairs() {
+            let reader = self.reader(&self.actors[id.index()], state, Frames::NONE, &[], &fault);
+            let leaf = reader.entered(reader.chosen(&g.choices, g.first));
+            layout.set_leaf(state, group, leaf);
+        }
+        Self::check_fault(&fault)?;
+        layout.set_space(state, slot.space);
+        layout.set_life(state, Life::Alive);
+        Ok(())
+    }
+
+    /// Computes the contacts at the start of a run: nothing moves.
+    ///
+    /// # Errors
+    /// A [`Fault`] if a shape or a guard breaks a rule.
+    pub(super) fn first_contacts(
+        &self,
+        state: &mut State,
+        scratch: &mut Scratch,
+        meter: &Meter<'_>,
+    ) -> Result<(), Fault> {
         scratch.frames.players.fill(Frame::default());
         self.lay(&Input::default().1, &mut scratch.frames);
         scratch.changes.clear();
-        self.note_start(&state, scratch);
-        self.collide(&mut state, scratch, false, meter)?;
-        Ok(state)
+        self.note_start(state, scratch);
+        self.collide(state, scratch, false, meter)
     }
 
     /// One step of time: `state` becomes the next state.
@@ -358,7 +380,11 @@ impl Simulator {
         }
         self.transitions::<STILL>(state, scratch)?;
         self.flow::<STILL>(state, scratch)?;
-        self.collide(state, scratch, true, meter)?;
+        if STILL {
+            self.collide_apart(state, scratch, true, meter)?;
+        } else {
+            self.collide(state, scratch, true, meter)?;
+        }
         if self.lives_change {
             self.remove_destroyed(state, scratch);
         }

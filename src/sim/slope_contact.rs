@@ -6,8 +6,9 @@ use std::cell::Cell;
 use crate::ir::{Bounds, Id, Push, Side, SpaceId};
 use crate::watch::Meter;
 
-use super::collision::{Body, Encounter, Kind, Scratch};
+use super::collision::{Body, Kind, Scratch};
 use super::contact::{Contact, Displacement, Overlap, Rect, TOLERANCE};
+use super::encounter::Encounter;
 use super::seam::Around;
 use super::simulator::Simulator;
 use super::slope::{Line, Slopes};

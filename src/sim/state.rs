@@ -74,9 +74,19 @@ pub(super) fn set_triple(bytes: &mut [u8; 24], [value, first, second]: [f64; 3])
     set_real(bytes, 16, one_zero(second));
 }
 
+/// As [`set_triple`] of values that are known not to be negative zero: neither is a sum of which one part is not.
+#[inline]
+pub(super) fn set_moved(bytes: &mut [u8; 24], values: [f64; 3]) {
+    debug_assert!(values.iter().all(|v| v.to_bits() != (-0.0f64).to_bits()), "{values:?}");
+    let [value, first, second] = values;
+    set_real(bytes, 0, value);
+    set_real(bytes, 8, first);
+    set_real(bytes, 16, second);
+}
+
 /// There is one zero, so that equal states are equal bytes.
 #[inline]
-fn one_zero(value: f64) -> f64 {
+pub(super) fn one_zero(value: f64) -> f64 {
     value + 0.0
 }
 

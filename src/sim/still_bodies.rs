@@ -7,8 +7,9 @@ use crate::watch::Meter;
 
 use super::actor::Actor;
 use super::chance::Frames;
-use super::collision::{Body, Collision, Encounter};
+use super::collision::{Body, Collision};
 use super::contact::Rect;
+use super::encounter::Encounter;
 use super::fault::Fault;
 use super::simulator::{Scratch, Simulator, first_position};
 use super::state::leaf_at;

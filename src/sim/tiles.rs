@@ -7,8 +7,9 @@ use crate::ir::{Bounds, Id, Push, Side, Slope, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
 use super::breakable::Breakables;
-use super::collision::{Body, Encounter};
+use super::collision::Body;
 use super::contact::{Displacement, Overlap, Rect, TOLERANCE, meet};
+use super::encounter::Encounter;
 use super::seam::Around;
 use super::simulator::Simulator;
 use super::slope::Line;
@@ -209,10 +210,10 @@ impl Simulator {
         let [columns, rows] = &self.collision.grids[rect.space as usize];
         let (first, after) = columns.range(rect.left, rect.right);
         let (low, high) = rows.range(rect.bottom, rect.top);
-        let examined = (high - low.min(high)) * (after - first.min(after));
+        let examined = (high - low) * (after - first);
         let is_large = examined > LARGE;
         for row in low..high {
-            if is_large && meter.spend((after - first.min(after)) as u64) {
+            if is_large && meter.spend((after - first) as u64) {
                 break;
             }
             let start = row * map.columns;
@@ -296,7 +297,9 @@ impl Simulator {
         let Some(contact) = contact else { return };
         self.static_contact(state, body, with, contact, displacement);
         self.corner_contact(body, with, corner, displacement);
-        self.touch_tile_along(state, body, (with, tiles), (rect, &tile), cell, contact.side);
+        if with.more {
+            self.touch_tile_along(state, body, (with, tiles), (rect, &tile), cell, contact.side);
+        }
     }
 
     /// Keeps a tile that a body touches with a side, if the tile can be broken and a contact query can name it.
@@ -392,7 +395,7 @@ impl Grid {
         let (low, high) = (low * self.per_px.0, high * self.per_px.1);
         // The cast truncates, which is the floor of a non-negative number, and saturates. That to 32 bits is the cheapest.
         let after = if high < 0.0 { 0 } else { (high as u32 as usize).saturating_add(1).min(self.count) };
-        (low as u32 as usize, after)
+        ((low as u32 as usize).min(after), after)
     }
 }
 

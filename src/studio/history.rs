@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::ir::Id;
-use crate::sim::{Event, Fault, Input, Run, Script, Simulator, State};
+use crate::sim::{Event, Fault, Input, Run, Script, Simulator, State, TraceFormat, TraceLines};
 
 use super::protocol::{EventInfo, Frame, Shown};
 use super::scene::{frame, places};
@@ -26,6 +26,8 @@ pub(super) struct History {
     /// Number of steps before each part of the script.
     starts: Vec<u64>,
     length: u64,
+    /// Whether the first state is that of another program.
+    is_carried: bool,
     /// Kept states by the number of steps before them.
     kept: Vec<(u64, State)>,
     spacing: u64,
@@ -49,6 +51,7 @@ impl History {
             script: Script::default(),
             starts: Vec::new(),
             length: 0,
+            is_carried: false,
             kept,
             spacing: SPACING,
             before: None,
@@ -57,6 +60,24 @@ impl History {
         };
         history.ended = history.reason_to_end();
         Ok(history)
+    }
+
+    /// A run that begins with a state that was carried over from another program.
+    ///
+    /// # Errors
+    /// As [`History::new`].
+    pub fn carried(sim: &Arc<Simulator>, state: &State) -> Result<History, Fault> {
+        let mut history = History::new(sim)?;
+        history.run.set_state(state);
+        history.kept = vec![(0, state.clone())];
+        history.is_carried = true;
+        history.ended = history.reason_to_end();
+        Ok(history)
+    }
+
+    /// Whether the first state is that of another program: then the script does not lead to the other states.
+    pub fn is_carried(&self) -> bool {
+        self.is_carried
     }
 
     pub fn sim(&self) -> &Arc<Simulator> {
@@ -78,6 +99,7 @@ impl History {
         self.length
     }
 
+    /// The state of the frame that is shown.
     pub fn state(&self) -> &State {
         self.run.state()
     }
@@ -243,6 +265,22 @@ impl History {
         paths_of(self.sim(), &self.script.first(most), 0)
     }
 
+    /// Some frames as lines of a trace.
+    pub fn trace(&mut self, from: u64, count: u32) -> String {
+        let (at, sim) = (self.at(), Arc::clone(self.sim()));
+        let lines = TraceLines::new(&sim, TraceFormat::Jsonl);
+        let mut out = String::new();
+        for frame in from..from.saturating_add(u64::from(count)).min(self.length + 1) {
+            self.seek(frame);
+            let input = frame.checked_sub(1).and_then(|before| self.input(before));
+            let input = input.map_or_else(|| self.run.nothing(), |input| self.run.drawn(input));
+            // Infallible: writes to memory.
+            out.push_str(&lines.state(frame, &input, self.run.state()).unwrap_or_default());
+        }
+        self.seek(at);
+        out
+    }
+
     /// What the page shows now.
     pub fn shown(&mut self) -> Shown {
         let at = self.at();
@@ -250,7 +288,7 @@ impl History {
         let before = before.map(|(at, state)| frame(self.sim(), state, at));
         let ended = self.ended.clone().filter(|_| at == self.length);
         let events = std::mem::take(&mut self.events);
-        Shown { frame: self.current(), before, length: self.length, events, ended }
+        Shown { frame: self.current(), before, length: self.length, events, is_carried: self.is_carried, ended }
     }
 
     fn current(&self) -> Frame {

@@ -60,6 +60,10 @@ impl Files for Overlay<'_> {
     fn identity(&self, path: &Path) -> PathBuf {
         self.project.files.identity(path)
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        self.project.files.bad_picture(path)
+    }
 }
 
 impl Project {

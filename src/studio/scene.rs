@@ -1,11 +1,13 @@
 //! A world as the page draws it: what does not change, and a state.
 
-use crate::ir::{Bounds, Entity, Id, Origin, Push, SlotId, Space, TagId, TagSet, TileMap, World};
+use crate::ir::{
+    Bounds, Entity, EntityId, Id, Look, MapLook, Origin, Push, SlotId, Space, SpaceId, TagId, TagSet, TileMap, World,
+};
 use crate::sim::Simulator;
 
 use super::protocol::{
-    ColliderInfo, EntityInfo, Frame, LinkInfo, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo, SpaceInfo,
-    TileInfo,
+    ColliderInfo, EntityInfo, Frame, LinkInfo, MapArt, MapInfo, PlayerInfo, Role, Scene, SlotInfo, SolidInfo,
+    SpaceInfo, TileInfo,
 };
 
 /// The side of a space without anything in it, px.
@@ -37,7 +39,7 @@ pub(super) fn scene(path: &str, sim: &Simulator) -> Scene {
         tags: program.tags.iter().cloned().collect(),
         players: world.players.pairs().map(player).collect(),
         spaces: world.spaces.pairs().map(|(id, _)| space_info(sim, id)).collect(),
-        entities: program.entities.iter().map(|entity| entity_info(world, entity)).collect(),
+        entities: program.entities.pairs().map(|(id, entity)| entity_info(sim, id, entity)).collect(),
         slots: world.slots.pairs().map(slot).collect(),
         goals: world.goals.iter().map(|goal| goal.name.clone()).collect(),
         nevers: world.nevers.iter().map(|never| never.name.clone()).collect(),
@@ -65,7 +67,14 @@ fn numbers(tags: TagSet) -> Vec<usize> {
     tags.iter().map(Id::index).collect()
 }
 
-fn entity_info(world: &World, entity: &Entity) -> EntityInfo {
+/// What static geometry with some tags looks like.
+fn look(sim: &Simulator, tags: TagSet) -> Option<Look> {
+    sim.program().looks.of_tags(sim.world_id(), tags).cloned()
+}
+
+fn entity_info(sim: &Simulator, id: EntityId, entity: &Entity) -> EntityInfo {
+    let world = sim.world();
+    let tags = entity.colliders.iter().map(|collider| collider.tags).fold(TagSet::default(), TagSet::with);
     let is_solid = |tags: TagSet| {
         let mut pushing = world.collide.iter().filter(|line| line.response.push != Push::Sense);
         pushing.any(|line| line.left.meets(tags) || line.right.meets(tags))
@@ -78,17 +87,19 @@ fn entity_info(world: &World, entity: &Entity) -> EntityInfo {
     EntityInfo {
         name: entity.name.to_string(),
         doc: entity.doc.as_ref().map(ToString::to_string),
+        look: sim.program().looks.of_entity(id).cloned().or_else(|| look(sim, tags)),
         colliders: entity.colliders.iter().map(collider).collect(),
         modes: entity.modes.iter().map(|mode| mode.path.clone()).collect(),
     }
 }
 
-fn space_info(sim: &Simulator, id: crate::ir::SpaceId) -> SpaceInfo {
+fn space_info(sim: &Simulator, id: SpaceId) -> SpaceInfo {
     let (world, space) = (sim.world(), &sim.world().spaces[id]);
     let corners = |b: Bounds| [b.left, b.bottom, b.right, b.top];
     let solid = |solid: &crate::ir::Solid| SolidInfo {
         tags: numbers(solid.tags),
         role: role(sim, solid.tags),
+        look: look(sim, solid.tags),
         area: corners(solid.bounds),
     };
     let link = |link: &crate::ir::Link| LinkInfo { area: corners(link.from), space: link.space.index() };
@@ -96,14 +107,14 @@ fn space_info(sim: &Simulator, id: crate::ir::SpaceId) -> SpaceInfo {
         name: space.name.clone(),
         extent: corners(space.extent().unwrap_or_else(|| extent_of_contents(world, space, id))),
         wraps: space.periods.each_ref().map(Option::is_some),
-        map: space.map.as_ref().map(|map| map_info(sim, map)),
+        map: space.map.as_ref().map(|map| map_info(sim, id, map)),
         solids: space.solids.iter().map(solid).collect(),
         links: space.links.iter().map(link).collect(),
     }
 }
 
 /// A rectangle around everything that is in a space at first.
-fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> Bounds {
+fn extent_of_contents(world: &World, space: &Space, id: SpaceId) -> Bounds {
     let fixed = space.solids.iter().map(|solid| solid.bounds).chain(space.links.iter().map(|link| link.from));
     let placed = world.slots.iter().filter(|slot| slot.space == id && slot.origin != Origin::Free).map(|slot| {
         let mut at = slot.vars.iter().map(|values| values[0]);
@@ -116,7 +127,7 @@ fn extent_of_contents(world: &World, space: &Space, id: crate::ir::SpaceId) -> B
     Bounds { left: all.left - MARGIN, right: all.right + MARGIN, bottom: all.bottom - MARGIN, top: all.top + MARGIN }
 }
 
-fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
+fn map_info(sim: &Simulator, space: SpaceId, map: &TileMap<TagId>) -> MapInfo {
     let names = |tags: &[TagId]| {
         let names: Vec<&str> = tags.iter().filter_map(|tag| sim.program().tags.get(*tag).map(String::as_str)).collect();
         if names.is_empty() { "empty".to_string() } else { names.join(", ") }
@@ -125,6 +136,7 @@ fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
         symbol: kind.symbol.to_string(),
         label: names(&kind.tags),
         role: role(sim, kind.tags.iter().copied().collect()),
+        look: look(sim, kind.tags.iter().copied().collect()),
         tags: tag_numbers(&kind.tags),
         slope: kind.slope.map(|slope| [0.0, slope.left, map.tile.0, slope.right]),
         breakable: kind.breakable.is_some(),
@@ -141,7 +153,14 @@ fn map_info(sim: &Simulator, map: &TileMap<TagId>) -> MapInfo {
         is_painted: false,
         kinds: map.kinds.iter().map(kind).collect(),
         cells,
+        art: sim.program().looks.of_map(sim.world_id(), space).map(|look| art(look, map.columns)),
     }
+}
+
+fn art(look: &MapLook, columns: usize) -> MapArt {
+    let MapLook { pictures, tiles, stacks, cells, .. } = look.clone();
+    let cells = cells.chunks(columns.max(1)).rev().flatten().copied().collect();
+    MapArt { pictures, tiles, stacks, cells }
 }
 
 /// A state.

@@ -45,7 +45,7 @@ struct Shared {
     is_stopped: AtomicBool,
     progress: Mutex<Progress>,
     /// The positions of new nodes since the last answer.
-    points: Mutex<Vec<[f64; 3]>>,
+    points: Mutex<Vec<[f64; 5]>>,
     /// The result.
     result: Mutex<Option<Searching>>,
     budget: u64,
@@ -70,10 +70,11 @@ impl Watch for Shared {
         }
     }
 
-    fn node(&self, space: usize, at: [f32; 2]) {
+    fn node(&self, space: usize, at: [f32; 2], before: Option<[f32; 2]>) {
         let mut points = lock(&self.points);
         if points.len() < MAX_POINTS {
-            points.push([space as f64, f64::from(at[0]), f64::from(at[1])]);
+            let ([x, y], [from_x, from_y]) = (at.map(f64::from), before.unwrap_or(at).map(f64::from));
+            points.push([space as f64, x, y, from_x, from_y]);
         }
     }
 }

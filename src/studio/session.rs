@@ -27,8 +27,12 @@ const MAX_GHOST: u64 = 7_200;
 const MAX_STEPS_AT_ONCE: usize = 3_600;
 /// Maximum number of steps that are predicted.
 const MAX_PREDICTED: u32 = 3_600;
+/// Maximum number of frames of one trace.
+const MAX_TRACED: u32 = 3_600;
 /// Maximum number of changes that can be taken back.
 const MAX_UNDONE: usize = 500;
+/// Maximum number of things that are named as lost.
+const MAX_LOST: usize = 6;
 /// How near a place must be reached, px.
 const NEAR: f64 = 8.0;
 /// The name under which a predicate of the page is compiled.
@@ -49,6 +53,8 @@ pub struct Session {
     findings: Vec<Finding>,
     /// Whether the game is the program of that compilation.
     is_current: bool,
+    /// Whether the state goes on after a change, not the inputs.
+    keeps_state: bool,
     worlds: Vec<String>,
     /// The texts of files before the last changes, the latest last; none of a file that was as on the disk.
     undone: Vec<(PathBuf, Option<String>)>,
@@ -78,6 +84,7 @@ impl Session {
             sources: Vec::new(),
             findings: Vec::new(),
             is_current: false,
+            keeps_state: false,
             worlds: Vec::new(),
             undone: Vec::new(),
         }
@@ -104,6 +111,13 @@ impl Session {
         paths
     }
 
+    /// The pictures that the program names, by their paths from the folder of the program.
+    pub fn pictures(&self) -> Vec<String> {
+        let looks = self.game.iter().map(|game| &game.program.looks);
+        let pictures = looks.flat_map(|looks| looks.pictures().into_iter().chain(looks.tile_pictures()));
+        pictures.map(str::to_string).collect()
+    }
+
     /// Answers a request.
     pub fn answer(&mut self, request: Request) -> Answer {
         self.respond(request).unwrap_or_else(|message| Answer::Refused { message })
@@ -127,6 +141,10 @@ impl Session {
             Request::Reload => {
                 self.project.forget_adjusted();
                 self.compile(None)
+            }
+            Request::Keep { state } => {
+                self.keeps_state = state;
+                Ok(Answer::Done)
             }
             Request::Edit { path, text } => {
                 let path = self.path(path)?;
@@ -212,11 +230,18 @@ impl Session {
             }
             Request::Script => {
                 let game = self.game()?;
+                game.begins_at_the_start()?;
                 Ok(Answer::Text { text: game.history.script().text(&game.program, game.world) })
+            }
+            Request::Trace { from, count } => {
+                Ok(Answer::Text { text: self.history()?.trace(from, count.min(MAX_TRACED)) })
             }
             Request::Load { script } => {
                 let game = self.game()?;
                 let script = game.parse(&script)?;
+                if game.history.is_carried() {
+                    game.history = game.new_history()?;
+                }
                 game.history.play(&script);
                 Ok(Answer::Shown(game.history.shown()))
             }
@@ -319,8 +344,13 @@ impl Session {
             };
             if let Some(old) = old {
                 self.search = None;
-                ghost = old.history.paths(MAX_GHOST);
-                lost = game.take_over(&old);
+                match self.keeps_state || old.history.is_carried() {
+                    true => lost = game.carry_over(&old),
+                    false => {
+                        ghost = old.history.paths(MAX_GHOST);
+                        lost = game.take_over(&old);
+                    }
+                }
             }
             self.game = Some(game);
         }
@@ -351,6 +381,7 @@ impl Session {
     fn start_search(&mut self, target: &Target, nodes: u64, seed: u64) -> Result<Answer, String> {
         self.search = None;
         let game = self.game()?;
+        game.begins_at_the_start()?;
         let (name, world) = (game.world().name.clone(), game.world);
         let after = game.history.script().first(game.history.at());
         let unknown = |kind: &str, name: &str| format!("there is no {kind} `{name}`");
@@ -390,6 +421,17 @@ impl Session {
     }
 }
 
+/// The history of a run that has not begun.
+///
+/// # Errors
+/// Why it cannot begin.
+fn first_history(sim: &Arc<Simulator>) -> Result<History, String> {
+    History::new(sim).map_err(|fault| {
+        let fact = fault.fact(sim.program(), sim.world_id(), 0);
+        format!("{} ({}, at the start)", fact.what, fact.instance)
+    })
+}
+
 impl Game {
     /// A game in the world of a name; in the first one, if there is none of the name.
     fn new(program: Arc<Program>, sources: SourceMap, world: Option<&str>, project: &Project) -> Result<Game, String> {
@@ -398,11 +440,7 @@ impl Game {
         if program.worlds[world].open.is_some() {
             return Err(format!("the map of the world `{}` is not given", program.worlds[world].name));
         }
-        let history = History::new(&Arc::new(Simulator::new(&program, world)));
-        let history = history.map_err(|fault| {
-            let fact = fault.fact(&program, world, 0);
-            format!("{} ({}, at the start)", fact.what, fact.instance)
-        })?;
+        let history = first_history(&Arc::new(Simulator::new(&program, world)))?;
         let mut scene = scene(&project.root.display().to_string(), history.sim());
         Written::read(&project.root, project.level_path(), &project.files(false)).describe(&mut scene);
         Ok(Game { program, sources, world, history, scene, analysis: Analysis::default() })
@@ -410,6 +448,41 @@ impl Game {
 
     fn world(&self) -> &World {
         &self.program.worlds[self.world]
+    }
+
+    /// The history of a run that has not begun.
+    fn new_history(&self) -> Result<History, String> {
+        first_history(self.history.sim())
+    }
+
+    /// Inputs say how a run went only from the start of the world.
+    fn begins_at_the_start(&self) -> Result<(), String> {
+        let why =
+            "the run goes on from a state of the program before the change, and no inputs lead there: start again";
+        if self.history.is_carried() { Err(why.to_string()) } else { Ok(()) }
+    }
+
+    /// Goes on from the state of a game that this one replaces, by names. Returns what could not be kept.
+    fn carry_over(&mut self, old: &Game) -> Option<String> {
+        if old.history.at() == 0 && !old.history.is_carried() {
+            return None;
+        }
+        let failed = |why: &str| Some(format!("the state does not fit any more ({why}): the run begins again"));
+        let carried = match self.history.sim().carry_over(old.history.sim(), old.history.state()) {
+            Ok(Ok(carried)) => carried,
+            Ok(Err(why)) => return failed(why),
+            Err(fault) => return failed(&fault.fact(&self.program, self.world, 0).what),
+        };
+        match History::carried(self.history.sim(), &carried.state) {
+            Ok(history) => self.history = history,
+            Err(fault) => return failed(&fault.fact(&self.program, self.world, 0).what),
+        }
+        let count = carried.lost.len();
+        let mut names: Vec<String> = carried.lost.into_iter().take(MAX_LOST).collect();
+        if count > MAX_LOST {
+            names.push(format!("{} more", count - MAX_LOST));
+        }
+        (count > 0).then(|| format!("the state goes on without what exists no longer: {}", names.join(", ")))
     }
 
     /// A place as a predicate: the first player is near it.

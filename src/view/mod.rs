@@ -10,12 +10,14 @@
 //! | `appearance` | the colours of kinds of tiles |
 //! | `tiles`, `heat`, `tree`, `route`, `trail`, `goal`, `body` | the layers |
 //! | `look` | the colours and pictures that a program gives to things |
+//! | `cells` | where a search was, as plain data |
 //! | `verdict_map` | verdicts over the values of a program's numbers |
 //! | `label`, `legend`, `style`, `svg` | names that do not cover each other, the legend, colours, numbers |
 
 mod appearance;
 mod body;
 mod canvas;
+mod cells;
 mod extent;
 mod film;
 mod frame;
@@ -39,6 +41,7 @@ mod tree;
 mod verdict_map;
 
 pub use canvas::{Canvas, Image, Paint};
+pub use cells::cells;
 pub use film::{Film, FilmOptions, PlayerArea};
 pub use look::Images;
 pub use palette::{ColorTable, Colors};

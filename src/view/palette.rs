@@ -105,15 +105,17 @@ impl Colors {
             (0u8..).zip(&list).min_by_key(|(_, other)| far(other)).map_or(0, |(index, _)| index)
         };
         let index = colors.iter().map(|(color, _)| (*color, near(*color))).collect();
-        ColorTable { list, index }
+        ColorTable { list, index, is_complete: true }
     }
 }
 
-/// At most 255 colours.
-#[derive(Debug, Clone)]
+/// At most 255 colours. An empty table takes colours as they come.
+#[derive(Debug, Clone, Default)]
 pub struct ColorTable {
     list: Vec<[u8; 3]>,
     index: BTreeMap<[u8; 3], u8>,
+    /// Whether it was made from all colours: then it takes no more.
+    is_complete: bool,
 }
 
 impl ColorTable {
@@ -122,14 +124,29 @@ impl ColorTable {
         &self.list
     }
 
-    /// The number of each pixel's colour in the table: the nearest one of a colour that was counted.
-    pub fn indices(&self, canvas: &Canvas) -> Vec<u8> {
+    /// The number of each pixel's colour in the table: of a complete table, the nearest one. Nothing if there is no room
+    /// for a colour.
+    pub fn indices(&mut self, canvas: &Canvas) -> Option<Vec<u8>> {
         let mut indices = Vec::with_capacity(canvas.pixels().len());
         for run in canvas.pixels().chunk_by(PartialEq::eq) {
-            let index = self.index.get(&run[0]).copied().unwrap_or(0);
+            let index = self.number(run[0])?;
             indices.resize(indices.len() + run.len(), index);
         }
-        indices
+        Some(indices)
+    }
+
+    fn number(&mut self, color: [u8; 3]) -> Option<u8> {
+        match self.index.get(&color) {
+            Some(index) => Some(*index),
+            None if self.is_complete => Some(0),
+            None if self.list.len() >= MAX_COLORS => None,
+            None => {
+                let index = u8::try_from(self.list.len()).ok()?;
+                self.list.push(color);
+                self.index.insert(color, index);
+                Some(index)
+            }
+        }
     }
 }
 
@@ -147,11 +164,26 @@ mod tests {
         }
         let mut canvas = Canvas::new(1, 1, Paint::solid(0xff_00_00));
         colors.count(&canvas);
-        let table = colors.table();
+        let mut table = colors.table();
         assert_eq!(table.colors().len(), MAX_COLORS);
-        let color = |canvas: &Canvas| table.colors()[usize::from(table.indices(canvas)[0])];
+        let mut color = |canvas: &Canvas| {
+            let index = table.indices(canvas).unwrap()[0];
+            table.colors()[usize::from(index)]
+        };
         assert_ne!(color(&canvas), [255, 0, 0]);
         canvas.clear(Paint::solid(0x07_07_07));
         assert_eq!(color(&canvas), [7, 7, 7]);
+    }
+
+    #[test]
+    fn an_empty_table_takes_colors_until_it_is_full() {
+        let mut table = ColorTable::default();
+        let mut canvas = Canvas::new(2, 2, Paint::solid(0));
+        for gray in 0..=255u8 {
+            canvas.clear(Paint { rgb: [gray, gray, gray], opacity: 1.0 });
+            let expected = (usize::from(gray) < MAX_COLORS).then(|| vec![gray; 4]);
+            assert_eq!(table.indices(&canvas), expected);
+        }
+        assert_eq!(table.colors().len(), MAX_COLORS);
     }
 }

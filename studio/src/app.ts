@@ -14,8 +14,10 @@ import { AskPanel } from "./ui/ask_panel.ts";
 import { h, icon, iconButton } from "./ui/dom.ts";
 import { Goals } from "./ui/goals.ts";
 import { KnowPanel } from "./ui/know_panel.ts";
+import type { Report } from "./report.ts";
 import { Pointer } from "./ui/pointer.ts";
 import { PlayPanel } from "./ui/play_panel.ts";
+import { ReportPanel } from "./ui/report_panel.ts";
 import { Sidebar } from "./ui/sidebar.ts";
 import { TextPanel } from "./ui/text_panel.ts";
 import { Toasts } from "./ui/toasts.ts";
@@ -33,6 +35,8 @@ export interface StudioOptions {
   world?: string | null;
   /** A script that is loaded first. */
   script?: string | null;
+  /** Answers that are shown beside the game. */
+  report?: Report | null;
 }
 
 /** The parts of a running page, for pages that add to it. */
@@ -60,7 +64,8 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   const ask = new AskPanel(game, overlays, toasts);
   const tune = new TunePanel(game, stage, overlays, inputs, toasts);
   tune.onWrite = (path) => void text.written(path);
-  const panels = [new PlayPanel(game, stage, inputs, toasts), know, tune, ask, text];
+  const report = options.report ? new ReportPanel(options.report, game, overlays, toasts) : null;
+  const panels = [...(report ? [report] : []), new PlayPanel(game, stage, inputs, toasts), know, tune, ask, text];
   const stageBox = h("main", { class: "stage" });
   const sidebar = new Sidebar(panels, () => requestAnimationFrame(resize));
   const hint = h("div", { class: "hint" });
@@ -119,7 +124,8 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   function showTouch(isShown: boolean): void {
     touch.element.hidden = !isShown;
   }
-  if (matchMedia("(pointer: coarse)").matches) showTouch(true);
+  // Beside a report there is no room for them at first.
+  if (!report && matchMedia("(pointer: coarse)").matches) showTouch(true);
 
   // The game has the keys unless something else that takes them has the focus.
   const takesKeys = (event: KeyboardEvent): boolean => {
@@ -217,6 +223,10 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   };
   await game.open(options.world ?? null);
   if (options.script) await game.load(options.script);
+  if (report) {
+    sidebar.show(report.id);
+    await report.start();
+  }
   requestAnimationFrame(frame);
   new Watcher(game, text, toasts).start();
   stage.canvas.focus({ preventScroll: true });

@@ -17,6 +17,8 @@ export interface Carrier {
   changed(): Promise<string[]>;
   /** Writes a file; says why if it cannot be written. */
   save(path: string, text: string): Promise<string | null>;
+  /** A picture that the program names, as an address that holds the whole file. Fails if it cannot be read. */
+  picture(path: string): Promise<string>;
   /** Called once if the connection is lost. */
   onLost(listener: (why: string) => void): void;
 }

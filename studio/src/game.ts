@@ -27,6 +27,8 @@ export class Game {
   readonly then = new BodyIndex();
   length = 0;
   ended: string | null = null;
+  /** Whether the first frame is a state from before a change: no inputs lead there from the start of the world. */
+  isCarried = false;
   marks: EventInfo[] = [];
   mode: Mode = "paused";
   speed = 1;
@@ -48,6 +50,8 @@ export class Game {
   readonly onShown = new Signal();
   readonly onMode = new Signal();
   readonly onTrouble = new Signal<string>();
+  /** The file of a picture has changed. */
+  readonly onPictures = new Signal();
 
   private owed = 0;
   /** The request to step that is under way. */
@@ -88,7 +92,7 @@ export class Game {
     this.opened = opened;
     const isNew = JSON.stringify(opened.scene) !== JSON.stringify(this.scene);
     this.scene = opened.scene;
-    if (opened.is_current && opened.ghost.length > 0) {
+    if (opened.is_current && (opened.ghost.length > 0 || opened.shown?.is_carried)) {
       this.ghost = opened.ghost;
       this.ghostStart = 0;
     }
@@ -108,6 +112,7 @@ export class Game {
     this.then.read(this.before, slots);
     this.length = shown.length;
     this.ended = shown.ended;
+    this.isCarried = shown.is_carried;
     for (const event of shown.events) if (this.marks.length < MAX_MARKS) this.marks.push(event);
     if (this.ended && this.mode === "live") this.pause();
     this.onShown.emit();
@@ -185,7 +190,8 @@ export class Game {
   async takeOver(): Promise<void> {
     if (!this.scene || !this.frame || this.mode === "live") return;
     const at = this.frame.at;
-    if (at < this.length) {
+    this.dropped = null;
+    if (at < this.length && !this.isCarried) {
       await this.attempt(async () => {
         this.dropped = (await ask(this.carrier, "text", { ask: "script" })).text;
       });
@@ -233,10 +239,19 @@ export class Game {
     }
   }
 
-  /** Begins anew; the run so far becomes a ghost. */
+  /** Goes back to the start of the world. */
   async restart(): Promise<void> {
     this.loop = null;
-    await this.seek(0);
+    // The history begins with another state.
+    if (this.isCarried) await this.load("");
+    else await this.seek(0);
+  }
+
+  /** Says whether the state goes on after a change; otherwise the inputs are played again. */
+  async keep(state: boolean): Promise<void> {
+    await this.attempt(async () => {
+      await ask(this.carrier, "done", { ask: "keep", state });
+    });
   }
 
   /** The inputs so far as a script. */

@@ -20,7 +20,7 @@ async function main(): Promise<void> {
   try {
     const own = await embedded();
     if (own !== null) {
-      window.studio = await startInBrowser(own.parts, own.project);
+      window.studio = await startInBrowser(own.parts, own.project, { report: own.report });
       return;
     }
     const studio = await startStudio({ carrier: await WebSocketCarrier.open() });

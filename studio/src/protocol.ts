@@ -1,9 +1,10 @@
-// What the page asks and what it is answered: the types of src/studio/protocol.rs.
+// What the page asks and what it is answered: the types of src/studio/protocol.
 // Written by `UPDATE=1 cargo test --test runtime studio_protocol`.
 
 export type Request =
   | { ask: "open"; world?: string | null }
   | { ask: "reload" }
+  | { ask: "keep"; state: boolean }
   | { ask: "play"; inputs: Held[][] }
   | { ask: "seek"; frame: number }
   | { ask: "predict"; input: Held[]; steps: number }
@@ -11,6 +12,7 @@ export type Request =
   | { ask: "bounds"; slot: number }
   | { ask: "chart"; entity: string }
   | { ask: "script" }
+  | { ask: "trace"; count: number; from: number }
   | { ask: "load"; script: string }
   | { ask: "sliders" }
   | { ask: "set"; slider: number; value: number }
@@ -83,6 +85,8 @@ export interface EntityInfo {
   colliders: ColliderInfo[];
   /** Its documentation. */
   doc: string | null;
+  /** Its look, if the program says one: that of a tag of its colliders counts as well. */
+  look: Look | null;
   /** The paths of its modes, such as `ground.walk`. */
   modes: string[];
   /** Its name. */
@@ -155,7 +159,22 @@ export interface LinkInfo {
   space: number;
 }
 
+export type Look = { color: string } | { picture: string };
+
+export interface MapArt {
+  /** For each cell, as in [`MapInfo::cells`], its stack. */
+  cells: number[];
+  /** The paths of pictures. */
+  pictures: string[];
+  /** What cells show, the lowest tile first. The first one is nothing. */
+  stacks: number[][];
+  /** Tiles: parts of pictures. */
+  tiles: TilePicture[];
+}
+
 export interface MapInfo {
+  /** What the cells show in the level editor that the map was made with, if that is known. */
+  art: MapArt | null;
   /** For each cell, from the upper left one row by row, its kind, or -1. */
   cells: number[];
   /** Number of columns. */
@@ -179,7 +198,7 @@ export interface Opened {
   ghost: [number, number, number][][];
   /** Whether the program is the one of these texts; otherwise they have errors, and the last good one goes on. */
   is_current: boolean;
-  /** What could not be kept of the history, in a sentence. */
+  /** What could not be kept of the history or of the state, in a sentence. */
   lost: string | null;
   /** What does not change while the world runs; none if there was no program without errors yet. */
   scene: Scene | null;
@@ -253,8 +272,8 @@ export interface Searching {
   nodes: number;
   /** Places covered. */
   places: number;
-  /** The positions of new nodes since the last answer: `[space, x, y]`. */
-  points: [number, number, number][];
+  /** The new nodes since the last answer: `[space, x, y, x before, y before]`, with the position in the node before, or the same one again if that is in another space. */
+  points: [number, number, number, number, number][];
   /** The script that leads there from the first frame: the history up to where the search began, and what was found. */
   script: string | null;
   /** The verdict in a sentence, once it has ended. */
@@ -270,6 +289,8 @@ export interface Shown {
   events: EventInfo[];
   /** The frame that is shown. */
   frame: Frame;
+  /** Whether the first frame is a state that was carried over from the program before a change: no inputs lead there from the start of the world. */
+  is_carried: boolean;
   /** Number of frames of the history: the greatest number that can be sought. */
   length: number;
 }
@@ -301,6 +322,8 @@ export interface SlotInfo {
 export interface SolidInfo {
   /** `[left, bottom, right, top]`, px. */
   area: [number, number, number, number];
+  /** Its look, if the program says one. */
+  look: Look | null;
   /** What it is for the players. */
   role: Role;
   /** Its tags. */
@@ -329,6 +352,8 @@ export interface TileInfo {
   breakable: boolean;
   /** What it is, in a few words. */
   label: string;
+  /** Its look, if the program says one. */
+  look: Look | null;
   /** What it is for the players. */
   role: Role;
   /** The ends of its slope within the tile, px: `[x1, y1, x2, y2]`. */
@@ -337,6 +362,15 @@ export interface TileInfo {
   symbol: string;
   /** Its tags. */
   tags: number[];
+}
+
+export interface TilePicture {
+  /** How it is mirrored: 4 along the diagonal from the upper left corner, then 1 horizontally, then 2 vertically; or a sum of these. */
+  mirrored?: number;
+  /** The part: left, top, width and height, pixels. */
+  part: [number, number, number, number];
+  /** The index of the picture. */
+  picture: number;
 }
 
 export interface Value {

@@ -27,6 +27,7 @@ export class Watcher {
       const changed = await this.game.carrier.changed();
       if (changed.length > 0) {
         await this.game.change({ ask: "reload" });
+        if (changed.some((path) => path.toLowerCase().endsWith(".png"))) this.game.onPictures.emit();
         await this.text.fill();
         const names = changed.map((path) => path.split(/[\\/]/).pop() ?? path).join(", ");
         if (this.text.unsaved.some((path) => changed.includes(path))) {

@@ -4,8 +4,8 @@ import type { Carrier } from "./carrier.ts";
 import type { Answer, Request } from "./protocol.ts";
 
 /** Requests that are for the server, not for the session. */
-type FileRequest = { ask: "watch" } | { ask: "save"; path: string; text: string };
-type FileAnswer = { answer: "changed"; files: string[] };
+type FileRequest = { ask: "watch" } | { ask: "save"; path: string; text: string } | { ask: "picture"; path: string };
+type FileAnswer = { answer: "changed"; files: string[] } | { answer: "picture"; address: string };
 
 export class WebSocketCarrier implements Carrier {
   readonly canWatch = true;
@@ -43,6 +43,12 @@ export class WebSocketCarrier implements Carrier {
   async save(path: string, text: string): Promise<string | null> {
     const answer = await this.send({ ask: "save", path, text });
     return answer.answer === "refused" ? answer.message : null;
+  }
+
+  async picture(path: string): Promise<string> {
+    const answer = await this.send({ ask: "picture", path });
+    if (answer.answer === "picture") return answer.address;
+    throw new Error(answer.answer === "refused" ? answer.message : `cannot show \`${path}\``);
   }
 
   onLost(listener: (why: string) => void): void {

@@ -141,6 +141,9 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
     }
   }
   assert.ok(compared >= 2000, `${compared} positions compared`);
+  // All that a state is made of, frame by frame.
+  const { text } = await page.evaluate((count) => globalThis.studio.game.carrier.ask({ ask: "trace", from: 0, count }), length + 1);
+  assert.deepEqual(text.trim().split("\n"), lines);
   t.diagnostic(`${length} steps, ${live} frames while it was played, ${compared} positions`);
 });
 
@@ -150,6 +153,8 @@ test("one scrubs back, takes over, and takes that back", async (t) => {
   await until(page, "globalThis.studio.game.length > 60");
   await page.keyboard.up("ArrowRight");
   await page.keyboard.press("KeyP");
+  // The last step may be under way still.
+  await until(page, "globalThis.studio.game.mode === 'paused' && globalThis.studio.game.asking === null");
   const length = await game(page, "length");
   const slider = page.getByLabel("Frame", { exact: true });
   await slider.fill("20");

@@ -1,9 +1,12 @@
 // Draws the pictures of the page in docs/pictures/studio: node test/screenshots.mjs [NAME]…
-// Needs Chromium and pngquant.
-import { execFileSync } from "node:child_process";
-import { mkdirSync } from "node:fs";
+// Needs Chromium and pngquant; for reports the engine of `bindings/web/build`.
+import { execFileSync, spawnSync } from "node:child_process";
+import { mkdirSync, mkdtempSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 
-import { browser, open, play, root } from "./browser.mjs";
+import { browser, hypedc, open, play, root } from "./browser.mjs";
 
 const FOLDER = `${root}docs/pictures/studio`;
 const DESK = { width: 1200, height: 760 };
@@ -37,7 +40,23 @@ const search = async (page) => {
   await page.locator(".verdict").waitFor({ timeout: 120_000 });
 };
 
+/** Writes the page of a command; returns its address. */
+function report(args) {
+  const path = join(mkdtempSync(join(tmpdir(), "hypedc-report-")), "report.html");
+  spawnSync(hypedc, [...args, "--html", path, "--engine", "bindings/web/dist/hypedc.wasm.gz"], { cwd: root });
+  return { url: pathToFileURL(path).href, stop: async () => {} };
+}
+
 const PICTURES = {
+  report: [
+    "reach examples/platforms.hyped",
+    "light",
+    DESK,
+    async (page) => {
+      await page.locator(".moment").first().waitFor();
+      await page.evaluate("globalThis.studio.game.seek(430)");
+    },
+  ],
   mario: ["examples/mario.hyped", "light", DESK, (page) => load(page, "examples/inputs/mario.inputs", 0.45)],
   tune: [
     "examples/mario.hyped",
@@ -117,7 +136,8 @@ const chromium = await browser();
 const wanted = process.argv.slice(2);
 for (const [name, [args, colorScheme, viewport, steps]] of Object.entries(PICTURES)) {
   if (wanted.length > 0 && !wanted.includes(name)) continue;
-  const server = await play(...args.split(" "));
+  const words = args.split(" ");
+  const server = words[0] === "reach" ? report(words) : await play(...words);
   const isPhone = viewport === PHONE;
   const options = { viewport, colorScheme, hasTouch: isPhone, isMobile: isPhone, deviceScaleFactor: isPhone ? 2 : 1 };
   const { page, context } = await open(chromium, server.url, options);

@@ -12,6 +12,7 @@ import { pathToFileURL } from "node:url";
 
 import { games, inputs } from "../../bindings/web/test/games.mjs";
 import { PATIENCE, browser, game, hypedc, open, root, until } from "./browser.mjs";
+import { GRASS, HERO, meadow, untilColor } from "./meadow.mjs";
 
 const engine = process.env.HYPEDC_ENGINE ?? join(root, "bindings/web/dist/hypedc.wasm.gz");
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
@@ -81,6 +82,9 @@ async function compared(page, { project }) {
   // Random play may violate a `never`: that is exit code 1.
   run(["sim", project.root, ...level, ...world, ...chance, "--inputs-file", file, "--trace", trace], [0, 1]);
   const [, ...lines] = (await readFile(trace, "utf8")).trim().split("\n");
+  // All that a state is made of, frame by frame.
+  const { text } = await page.evaluate((count) => globalThis.studio.game.carrier.ask({ ask: "trace", from: 0, count }), lines.length);
+  assert.deepEqual(text.trim().split("\n"), lines, project.root);
   let equal = 0;
   for (const line of lines) {
     const { step, instances } = JSON.parse(line);
@@ -156,6 +160,87 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
   const { equal, steps } = await compared(page, all.find(({ name }) => name === "car"));
   assert.ok(shown >= 500, `${shown} frames were shown`);
   assert.ok(equal >= 2000 && steps >= 2000, `${equal} positions in ${steps} steps`);
+  assert.deepEqual(errors, []);
+});
+
+/** Opens the report of a command without a network. */
+async function reported(t, args, options = {}) {
+  const path = join(folder, `report-${args.join("-").replaceAll(/[^\w]+/g, "-")}.html`);
+  run([...args, "--html", path, "--engine", engine], [0, 1]);
+  const opened = await open(chromium, pathToFileURL(path).href, { offline: true, ...options });
+  t.after(() => opened.context.close());
+  return opened;
+}
+
+test("the report of a search: verdicts, their ways, where the search was", async (t) => {
+  const { page, errors } = await reported(t, ["reach", "examples/platforms.hyped"]);
+  assert.equal(await page.getByRole("tab", { name: "Report" }).getAttribute("aria-selected"), "true");
+  const answers = page.locator(".ways button");
+  await answers.first().waitFor();
+  const count = await answers.count();
+  assert.ok(count >= 3, `${count} answers`);
+  for (let at = 0; at < count; at += 1) {
+    await answers.nth(at).click();
+    await until(page, "globalThis.studio.game.length > 0 && globalThis.studio.game.frame.at === 0");
+    const [kind, name] = (await answers.nth(at).locator(".what").textContent()).split(" ");
+    // The last frame is that of the claim.
+    await page.locator(".moment").last().click();
+    await until(page, "globalThis.studio.game.frame.at === globalThis.studio.game.length");
+    const scene = await game(page, "scene");
+    const frame = await game(page, "frame");
+    const [names, held] = kind === "never" ? [scene.nevers, frame.nevers] : [scene.goals, frame.goals];
+    assert.ok(held.map((of) => names[of]).includes(name), `${kind} ${name}`);
+  }
+  await answers.first().click();
+  await until(page, "globalThis.studio.game.frame.at === 0");
+  await page.getByRole("button", { name: "Play the way" }).click();
+  await until(page, "globalThis.studio.game.mode === 'replay' && globalThis.studio.game.frame.at > 20");
+  await page.getByRole("button", { name: "Whole level" }).click();
+  await page.locator("dialog img").waitFor();
+  assert.ok((await page.evaluate("document.querySelector('dialog img').naturalWidth")) > 400, "the picture is there");
+  await page.getByRole("button", { name: "Close", exact: true }).click();
+  // A key takes over.
+  await page.locator(".stage canvas").focus();
+  await page.keyboard.press("KeyP");
+  await page.keyboard.down("ArrowLeft");
+  await until(page, "globalThis.studio.game.mode === 'live'");
+  await page.keyboard.up("ArrowLeft");
+  assert.equal(await page.locator(".toast.bad").count(), 0);
+  assert.deepEqual(errors, []);
+});
+
+test("the report of a proof, and of a run", async (t) => {
+  const proof = ["reach", "examples/link.hyped", "--goal", "treasure", "--without", "hero.keys > 0"];
+  const { page, errors } = await reported(t, proof);
+  await page.locator(".verdict.proof").getByText("proven unreachable").waitFor();
+  await page.getByText("never holds").waitFor();
+  assert.equal(await page.getByRole("button", { name: "Play the way" }).count(), 0);
+  assert.deepEqual(errors, []);
+  const run = ["sim", "examples/mario.hyped", "--inputs-file", "examples/inputs/mario.inputs"];
+  const second = await reported(t, run);
+  await until(second.page, "globalThis.studio.game.length > 1000");
+  await second.page.getByRole("button", { name: /goal fiery/ }).click();
+  await until(second.page, "globalThis.studio.game.frame.goals.includes(globalThis.studio.game.scene.goals.indexOf('fiery'))");
+  assert.deepEqual(second.errors, []);
+});
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`axe finds nothing in a report, ${colorScheme}`, async (t) => {
+    const { page } = await reported(t, ["reach", "examples/paper/test2.hyped"], { colorScheme, bypassCSP: true });
+    await page.locator(".moment").first().waitFor();
+    await page.addScriptTag({ path: axe });
+    const { violations } = await page.evaluate("axe.run(document)");
+    assert.deepEqual(violations.map((of) => `${of.id}: ${of.nodes.map((node) => node.html).slice(0, 3).join(" ")}`), []);
+  });
+}
+
+test("an exported game holds its pictures", async (t) => {
+  const path = join(folder, "meadow.html");
+  run(["play", await meadow(), "--export", path, "--engine", engine]);
+  const { page, context, errors } = await open(chromium, pathToFileURL(path).href, { offline: true });
+  t.after(() => context.close());
+  await untilColor(page, 40, 24, HERO);
+  await untilColor(page, 100, 8, GRASS);
   assert.deepEqual(errors, []);
 });
 
@@ -323,6 +408,33 @@ test("the playground: a gallery, games, links", async (t) => {
   await until(other, "globalThis.studio?.game.frame");
   assert.deepEqual(await other.evaluate("globalThis.studio.game.opened.findings"), []);
   assert.deepEqual(errors, []);
+});
+
+test("the playground exports what `hypedc play --export` writes, and it plays from a file", async (t) => {
+  const url = await playground(t);
+  for (const [id, name, args] of [
+    ["mario", "mario", ["examples/mario.hyped"]],
+    ["smb-smb-mario-1-1", "smb", ["examples/smb/smb.hyped", "--map", "examples/smb/mario-1-1.txt"]],
+    ["paper-test1", "test1", ["examples/paper/test1.hyped"]],
+  ]) {
+    const context = await chromium.newContext({ acceptDownloads: true });
+    t.after(() => context.close());
+    const page = await context.newPage();
+    await page.goto(`${url}#game=${id}`);
+    await until(page, "globalThis.studio?.game.frame");
+    const download = page.waitForEvent("download");
+    await page.getByRole("button", { name: "Export" }).click();
+    const path = join(folder, `exported-${name}.html`);
+    await (await download).saveAs(path);
+    const native = join(folder, `native-${name}.html`);
+    run(["play", ...args, "--export", native, "--engine", engine]);
+    assert.ok((await readFile(path, "utf8")) === (await readFile(native, "utf8")), `${id} is another file`);
+    const { page: game, errors, context: other } = await open(chromium, pathToFileURL(path).href, { offline: true });
+    await game.keyboard.down("ArrowRight");
+    await until(game, "globalThis.studio.game.length > 20");
+    assert.deepEqual(errors, []);
+    await other.close();
+  }
 });
 
 for (const colorScheme of ["light", "dark"]) {

@@ -59,6 +59,9 @@ fn completion_knows_the_place() {
         ("const floor_height = 16\n", "entity Open {\n|"),
         ("y' = 0\n", "y' = |\n"),
         ("// A slime", "// A |slime"),
+        ("    goal over", "    look |\n    goal over"),
+        ("    goal over", "    look enemy, |\n    goal over"),
+        ("    goal over", "    look enemy: |\n    goal over"),
     ] {
         completed(&mut session, old, new);
     }

@@ -26,6 +26,10 @@ impl Files for Disk {
     fn identity(&self, path: &Path) -> PathBuf {
         path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        (!path.is_file()).then(|| "no such file".into())
+    }
 }
 
 /// One text under the name `test.hyped`, and nothing else.

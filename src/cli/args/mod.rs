@@ -2,6 +2,7 @@
 
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
+pub(in crate::cli) mod page;
 pub(in crate::cli) mod set;
 pub(in crate::cli) mod why;
 
@@ -13,11 +14,13 @@ use crate::reach::{Planner, Restart};
 
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
+pub(in crate::cli) use page::PageArgs;
 pub(in crate::cli) use set::SetArgs;
 pub(in crate::cli) use why::WhyArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
+use crate::cli::stuck::args::StuckArgs;
 use crate::cli::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
@@ -47,6 +50,8 @@ pub(in crate::cli) enum Command {
     Reach(ReachArgs),
     /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
+    /// Finds where a player gets stuck: places that can be reached from which a goal cannot be.
+    Stuck(StuckArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.
@@ -249,6 +254,8 @@ pub(in crate::cli) struct SimArgs {
     pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub animation: GifArgs,
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Fails unless this goal, or this predicate, has held by the end of the run.
     #[arg(long, value_name = "GOAL|PREDICATE")]
     pub expect: Vec<String>,
@@ -259,7 +266,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "set", "expect", "expect_not"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "set", "expect", "expect_not"]
     )]
     pub replay: Option<PathBuf>,
 }
@@ -333,7 +340,7 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
     /// Asks no question: goes wherever it can, and reports what was covered: rooms, tiles that were stood on, modes, edges.
-    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "results", "csv", "junit", "baseline"], help_heading = "The question")]
+    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "html", "results", "csv", "junit", "baseline"], help_heading = "The question")]
     pub explore: bool,
     /// Only paths on which a predicate never holds: is the key needed, or the run button?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
@@ -415,6 +422,8 @@ pub(in crate::cli) struct ReachArgs {
     /// Shows whole input scripts on a terminal, too, where they are otherwise cut to a line.
     #[arg(short, long, help_heading = "The result")]
     pub verbose: bool,
+    #[command(flatten)]
+    pub page: PageArgs,
     #[command(flatten)]
     pub corpus: CorpusArgs,
 }

@@ -54,6 +54,11 @@ pub(in crate::cli) fn is_corpus_run(args: &ReachArgs) -> bool {
 
 /// Searches for the targets in each level.
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
+    if args.page.html.is_some() {
+        let table = "`--results`, `--csv`, `--junit` and `--baseline` are about a table of levels";
+        plain_error(&format!("`--html` is a page about one level: give one level with `--map`; {table}"))?;
+        return Ok(Exit::Refused);
+    }
     // A bad question is bad for all levels, so it is reported before any of them.
     let Some((mut loaded, takes_levels)) = load_questions(args)? else {
         return Ok(Exit::Refused);

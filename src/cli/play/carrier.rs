@@ -1,7 +1,7 @@
 //! Carries a session over a WebSocket: one JSON request, one JSON answer, in order. Each page has a session of its own.
 
 use std::io::{Read, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -14,6 +14,7 @@ use crate::studio::{Answer, Level, Request, Session, Task};
 
 use super::super::args::PlayArgs;
 use super::super::disk::Disk;
+use super::super::pictures::image;
 use super::files::{Seen, save};
 use super::language::Language;
 
@@ -30,13 +31,21 @@ enum FileRequest {
     Watch,
     /// Writes a file.
     Save { path: String, text: String },
+    /// A picture that the program names.
+    Picture { path: String },
 }
 
-/// What is answered to the first of them.
+/// What is answered to them, where it is more than that it is done.
 #[derive(Debug, Serialize)]
 #[serde(tag = "answer", rename_all = "snake_case")]
 enum FileAnswer {
-    Changed { files: Vec<String> },
+    Changed {
+        files: Vec<String>,
+    },
+    /// A picture, as an address that holds the whole file.
+    Picture {
+        address: String,
+    },
 }
 
 /// Starts sessions.
@@ -87,7 +96,10 @@ impl Carrier {
     fn answer(&self, session: &mut Session, seen: &mut Seen, text: &str) -> String {
         let answer = match serde_json::from_str(text) {
             Ok(FileRequest::Watch) => {
-                let changed = seen.changed(&session.paths());
+                let folder = self.root.parent().unwrap_or(Path::new(""));
+                let mut paths = session.paths();
+                paths.extend(session.pictures().iter().map(|name| folder.join(name)));
+                let changed = seen.changed(&paths);
                 let files = changed.iter().map(|path| path.display().to_string()).collect();
                 return serde_json::to_string(&FileAnswer::Changed { files }).unwrap_or_default();
             }
@@ -95,6 +107,16 @@ impl Carrier {
                 Ok(()) => Answer::Done,
                 Err(message) => Answer::Refused { message },
             },
+            // A page gets only what the program names.
+            Ok(FileRequest::Picture { path }) if session.pictures().contains(&path) => match image(&path, &self.root) {
+                Ok((_, address)) => {
+                    return serde_json::to_string(&FileAnswer::Picture { address }).unwrap_or_default();
+                }
+                Err(message) => Answer::Refused { message },
+            },
+            Ok(FileRequest::Picture { path }) => {
+                Answer::Refused { message: format!("the program has no picture `{path}`") }
+            }
             Err(_) => match serde_json::from_str::<Request>(text) {
                 Ok(request) => session.answer(request),
                 Err(error) => Answer::Refused { message: format!("not a request: {error}") },

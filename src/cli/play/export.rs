@@ -1,5 +1,5 @@
-//! `hypedc play --export`: the page, the engine as WebAssembly and the files of a program in one HTML file, which plays
-//! without a network and without `hypedc`.
+//! `hypedc play --export`, and reports as pages: the page, the engine as WebAssembly and the files of a program in one
+//! HTML file, which plays without a network and without `hypedc`.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -14,11 +14,13 @@ use flate2::write::GzEncoder;
 use serde::Serialize;
 
 use crate::compile::{Compilation, LevelFile, compile_with};
-use crate::source::{Files, ReadError};
+use crate::diagnostic::Diagnostics;
+use crate::source::{Files, ReadError, SourceMap};
 
 use super::super::Exit;
 use super::super::args::PlayArgs;
 use super::super::disk::Disk;
+use super::super::pictures::image;
 use super::super::report::{plain_error, show};
 
 /// The engine, packed by gzip.
@@ -37,43 +39,104 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsaf
     img-src data: blob:; worker-src blob:; base-uri 'none'; form-action 'none'";
 
 /// The files of a program, as `studio/src/worker/project.ts` has them.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 struct Project {
     files: BTreeMap<String, String>,
+    /// The pictures that the program names, as addresses that hold the whole files.
+    pictures: BTreeMap<String, String>,
     root: String,
     map: Option<String>,
     legend: Option<String>,
     tile: Option<(f64, f64)>,
+    /// The world that is shown first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    world: Option<String>,
+}
+
+/// What a page carries.
+pub(in crate::cli) struct Carried {
+    project: Project,
+    engine: Vec<u8>,
+}
+
+/// Why there is no page.
+pub(in crate::cli) enum NoPage {
+    Plain(String),
+    /// The program has errors.
+    Findings(SourceMap, Diagnostics),
+    Io(io::Error),
+}
+
+impl NoPage {
+    /// Shows it on standard error.
+    pub fn show(self) -> io::Result<Exit> {
+        match self {
+            NoPage::Plain(why) => {
+                plain_error(&why)?;
+                Ok(Exit::Refused)
+            }
+            NoPage::Findings(sources, found) => {
+                show(&sources, &found)?;
+                Ok(Exit::No)
+            }
+            NoPage::Io(error) => Err(error),
+        }
+    }
+}
+
+impl Carried {
+    /// Reads the files of a program and the engine: of this binary, or of a file.
+    pub fn read(file: &Path, level: LevelFile<'_>, engine_file: Option<&Path>) -> Result<Carried, NoPage> {
+        let engine = engine(engine_file).map_err(NoPage::Plain)?;
+        let recorder = Recorder::default();
+        let Compilation { sources, program, diagnostics } = compile_with(file, level, &recorder);
+        let Some(program) = program else { return Err(NoPage::Findings(sources, diagnostics)) };
+        if program.worlds.is_empty() {
+            return Err(NoPage::Plain(format!("`{}` has no world to play", file.display())));
+        }
+        let mut project = project(file, level, recorder.texts.into_inner()).map_err(NoPage::Io)?;
+        for name in program.looks.pictures() {
+            let (_, address) = image(name, file).map_err(NoPage::Plain)?;
+            project.pictures.insert(name.to_string(), address);
+        }
+        // A level is played without the pictures of its editor, too.
+        let tiles = program.looks.tile_pictures().into_iter();
+        project.pictures.extend(tiles.filter_map(|name| Some((name.to_string(), image(name, file).ok()?.1))));
+        Ok(Carried { project, engine })
+    }
+
+    /// The page, with a report of answers if there is one.
+    fn page(&self, world: Option<&str>, report: Option<&str>) -> io::Result<String> {
+        let project = Project { world: world.map(str::to_string), ..self.project.clone() };
+        let json = serde_json::to_string(&project).map_err(io::Error::other)?;
+        page(super::PAGE, (&json, report), &self.engine).ok_or_else(|| io::Error::other("the page has no head"))
+    }
+
+    /// Writes the page of a world with a report.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    pub fn save(&self, target: &Path, world: Option<&str>, report: &impl Serialize) -> Result<(), String> {
+        let json = serde_json::to_string(report).map_err(io::Error::other);
+        let page = json.and_then(|json| self.page(world, Some(&json)));
+        let written = page.and_then(|page| fs::write(target, page));
+        written.map_err(|error| format!("cannot write `{}`: {error}", target.display()))
+    }
 }
 
 /// Writes the page of a program to a file.
 pub(super) fn run(args: &PlayArgs, target: &Path) -> io::Result<Exit> {
-    let engine = match engine(args.engine.as_deref()) {
-        Ok(engine) => engine,
-        Err(why) => {
-            plain_error(&why)?;
-            return Ok(Exit::Refused);
-        }
+    let carried = match Carried::read(&args.file, args.level.file(), args.engine.as_deref()) {
+        Ok(carried) => carried,
+        Err(why) => return why.show(),
     };
-    let level = args.level.file();
-    let recorder = Recorder::default();
-    let Compilation { sources, program, diagnostics } = compile_with(&args.file, level, &recorder);
-    let Some(program) = program else {
-        show(&sources, &diagnostics)?;
-        return Ok(Exit::No);
-    };
-    if program.worlds.is_empty() {
-        plain_error(&format!("`{}` has no world to play", args.file.display()))?;
-        return Ok(Exit::Refused);
-    }
-    let project = project(&args.file, level, recorder.texts.into_inner())?;
-    let json = serde_json::to_string(&project).map_err(io::Error::other)?;
-    let page = page(super::PAGE, &json, &engine).ok_or_else(|| io::Error::other("the page has no head"))?;
+    let page = carried.page(None, None)?;
     if let Err(error) = fs::write(target, &page) {
         plain_error(&format!("cannot write `{}`: {error}", target.display()))?;
         return Ok(Exit::Refused);
     }
-    writeln!(io::stdout(), "{}: {} kB, {} files", target.display(), page.len().div_ceil(1000), project.files.len())?;
+    let files = carried.project.files.len() + carried.project.pictures.len();
+    writeln!(io::stdout(), "{}: {} kB, {files} files", target.display(), page.len().div_ceil(1000))?;
     Ok(Exit::Yes)
 }
 
@@ -116,6 +179,10 @@ impl Files for Recorder {
     fn identity(&self, path: &Path) -> PathBuf {
         Disk.identity(path)
     }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        Disk.bad_picture(path)
+    }
 }
 
 /// The files by names that say nothing about the machine: relative to the folder of the program.
@@ -129,10 +196,12 @@ fn project(root: &Path, level: LevelFile<'_>, texts: BTreeMap<PathBuf, String>) 
     let files = texts.into_iter().map(|(path, text)| Ok((name(&path)?, text)));
     Ok(Project {
         files: files.collect::<io::Result<_>>()?,
+        pictures: BTreeMap::new(),
         root: name(root)?,
         map: level.map.map(name).transpose()?,
         legend: level.legend.map(name).transpose()?,
         tile: level.tile,
+        world: None,
     })
 }
 
@@ -159,17 +228,21 @@ fn relative(folder: &Path, path: &Path) -> PathBuf {
 }
 
 /// The page with what it carries, before its script.
-fn page(page: &str, project: &str, engine: &[u8]) -> Option<String> {
+fn page(page: &str, (project, report): (&str, Option<&str>), engine: &[u8]) -> Option<String> {
     const HEAD: &str = "<head>";
     let at = page.find(HEAD)? + HEAD.len();
-    // A `<` in a string could end the script.
-    let project = project.replace('<', "\\u003c");
     let engine = STANDARD.encode(engine);
+    let data = |id: &str, json: &str| {
+        // A `<` in a string could end the script.
+        let json = json.replace('<', "\\u003c");
+        format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
+    };
     Some(format!(
-        "{}\n<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <script type=\"application/json\" id=\"project\">{project}</script>\n\
+        "{}\n<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n{}{}\
          <script type=\"text/plain\" id=\"engine\">{engine}</script>{}",
         &page[..at],
+        data("project", project),
+        report.map_or(String::new(), |report| data("report", report)),
         &page[at..]
     ))
 }
@@ -190,7 +263,9 @@ mod tests {
 
     #[test]
     fn what_a_page_carries_does_not_end_its_script() {
-        let page = page("<html><head><title></title></head></html>", "{\"a\":\"</script>\"}", &[1, 2, 3]).unwrap();
+        let carried = ("{\"a\":\"</script>\"}", Some("{\"b\":1}"));
+        let page = page("<html><head><title></title></head></html>", carried, &[1, 2, 3]).unwrap();
+        assert!(page.contains("id=\"report\">{\"b\":1}</script>"), "{page}");
         assert!(page.contains("{\"a\":\"\\u003c/script>\"}</script>"), "{page}");
         assert!(page.contains(">AQID</script><title>"), "{page}");
     }

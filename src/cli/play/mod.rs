@@ -2,7 +2,7 @@
 //! searched. The page speaks to a session of [`crate::studio`] over a WebSocket.
 
 mod carrier;
-mod export;
+pub(in crate::cli) mod export;
 mod files;
 mod guard;
 mod language;
@@ -64,6 +64,8 @@ pub(super) fn run(args: &PlayArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
+    // Connections inherit it: an answer must not wait until the browser has acknowledged the one before.
+    socket2::SockRef::from(&listener).set_tcp_nodelay(true)?;
     let guard = Guard::new(listener.local_addr()?.port()).map_err(io::Error::other)?;
     let url = guard.url();
     let server = Server::from_listener(listener, None).map_err(io::Error::other)?;

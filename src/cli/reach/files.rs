@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::ir::GoalId;
 use crate::reach::query::{Answer, Found, Session};
-use crate::reach::{Verdict, Visited};
+use crate::reach::{Plan, Verdict, Visited};
 use crate::sim::{Script, Simulator};
 use crate::view::{Images, Node, Picture, Recorder, Run, picture_svg};
 use crate::watch::Watch;
@@ -95,6 +95,14 @@ impl<'d> Destination<'d> {
     }
 }
 
+/// The path that was found.
+pub(super) fn plan<'f>(found: &'f Found<'_>) -> Option<&'f Plan> {
+    match &found.outcome.verdict {
+        Verdict::Reached(plan) => Some(plan),
+        Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
+    }
+}
+
 /// A goal as part of a file's name: a name as it is, a predicate with words for what names of files cannot have.
 fn file_word(goal: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || c == '_';
@@ -132,15 +140,23 @@ fn file_word(goal: &str) -> String {
     format!("{cut}-{}", hash.get(..8).unwrap_or_default())
 }
 
-/// The picture of a search.
-fn picture(session: &Session, found: &Found<'_>, answer: &Answer, images: &Images, watch: &dyn Watch) -> String {
+/// The nodes of a search, as pictures show them.
+pub(super) fn nodes(found: &Found<'_>) -> Vec<Node> {
     let node = |v: &Visited| Node { parent: v.parent, space: v.space, at: v.at };
-    let nodes: Vec<Node> = found.outcome.record.iter().map(node).collect();
-    let sim = session.simulator();
-    let run = match &found.outcome.verdict {
-        Verdict::Reached(plan) => recorded(sim, (&plan.script, session.query().chance), watch),
-        Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => Run::default(),
-    };
+    found.outcome.record.iter().map(node).collect()
+}
+
+/// The picture of a search.
+pub(super) fn picture(
+    session: &Session,
+    found: &Found<'_>,
+    answer: &Answer,
+    images: &Images,
+    watch: &dyn Watch,
+) -> String {
+    let (nodes, sim) = (nodes(found), session.simulator());
+    let chance = session.query().chance;
+    let run = plan(found).map_or(Run::default(), |plan| recorded(sim, (&plan.script, chance), watch));
     let goals: Vec<GoalId> = sim.world().goal_named(&answer.goal).into_iter().collect();
     let notes = notes(answer);
     let picture = Picture {

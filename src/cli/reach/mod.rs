@@ -4,6 +4,7 @@
 
 mod explore;
 pub(in crate::cli) mod files;
+mod page;
 pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
 mod result;
@@ -24,14 +25,19 @@ use crate::ir::{World, WorldId};
 use crate::json::{self, Layout};
 use crate::reach::Target;
 use crate::reach::query::{Phase, Session, Supervisor};
+use crate::view::Images;
 use crate::watch::Watch;
 
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
+use crate::cli::page::{Way, carried};
+use crate::cli::pictures::images;
+use crate::cli::play::export::Carried;
 use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, show_fact};
 use crate::cli::sweep::Sweep;
 use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
+use page::{report, violations, way};
 use question::{ReachChanges, query, refusal};
 use refuted::{Refuted, RunInfo, command_line};
 use result::RunResult;
@@ -60,6 +66,10 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
+    let carried = match carried(&args.page, &args.file, level) {
+        Ok(carried) => carried,
+        Err(why) => return why.show(),
+    };
     // The analysis counts towards the time for the first goal.
     let watch = CommandWatch::new("analysis", args.seconds);
     let started = Instant::now();
@@ -69,18 +79,29 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     if args.explore {
         return explore::run(args, &loaded, world, &session, seconds);
     }
-    answer_all(args, &loaded, world, &session, seconds)
+    answer_all(args, &loaded, (world, &session), seconds, carried.as_ref())
 }
 
 /// Searches for all targets, then shows the answers: a search can refute an earlier proof.
 fn answer_all(
     args: &ReachArgs,
     loaded: &Loaded,
-    world: WorldId,
-    session: &Session,
+    (world, session): (WorldId, &Session),
     analysis_seconds: f64,
+    carried: Option<&Carried>,
 ) -> io::Result<Exit> {
     let program = &loaded.program;
+    let images = match carried {
+        Some(_) => images(program, &args.file),
+        None => Ok(Images::default()),
+    };
+    let images = match images {
+        Ok(images) => images,
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    };
     let mut result = RunResult::new(args, session, analysis_seconds);
     let detail = Detail::of(args);
     if args.format == ResultFormat::Human && detail != Detail::Quiet {
@@ -104,6 +125,7 @@ fn answer_all(
     if result.refuted.is_some() {
         exit = exit.max(Exit::No);
     }
+    let (mut ways, mut violated) = (Vec::new(), Vec::new());
     for (mut found, searched) in all.into_iter().zip(phases.searched) {
         let answer = session.answer(&mut found, &loaded.sources);
         let destination = Destination::new(args, None, &answer.goal, targets);
@@ -125,10 +147,34 @@ fn answer_all(
         if !answer.is_expected {
             exit = exit.max(Exit::No);
         }
+        if carried.is_some() {
+            let watch = Interrupt::new();
+            ways.push(way(session, &found, &answer, (&images, searched.seconds), &watch)?);
+            violated.extend(violations(session, &found, &answer, &watch)?);
+        }
         result.add(args, answer, &found.outcome, searched.seconds);
     }
+    if let (Some(carried), Some(target)) = (carried, &args.page.html) {
+        let mut report = report(session, &result);
+        for way in violated {
+            let is_known = ways.iter().any(|of: &Way| (of.kind, &of.name) == (way.kind, &way.name));
+            if !is_known {
+                ways.push(way);
+            }
+        }
+        report.ways = ways;
+        if let Err(why) = carried.save(target, Some(&program.worlds[world].name), &report) {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    }
     match args.format {
-        ResultFormat::Human => write!(io::stdout(), "{}", result.tail(detail))?,
+        ResultFormat::Human => {
+            write!(io::stdout(), "{}", result.tail(detail))?;
+            if let Some(path) = &args.page.html {
+                writeln!(io::stdout(), "  page {}", path.display())?;
+            }
+        }
         ResultFormat::Json => {
             let mut out = io::stdout().lock();
             json::write(&result, Layout::Indented, &mut out)?;
@@ -214,7 +260,7 @@ pub fn answer_by_analysis_of(
     let space = crate::analysis::configuration_space(&analysed.program, world);
     let Ok(query) = query(args, &mut loaded, world) else { return Ok(None) };
     let session = Session::with_space(&loaded.program, world, query, space);
-    let exit = answer_all(args, &loaded, world, &session, 0.0)?;
+    let exit = answer_all(args, &loaded, (world, &session), 0.0, None)?;
     let Ok(mut first) = session.find(Target::Goal(crate::ir::GoalId(0)), &crate::watch::Unwatched) else {
         return Ok(None);
     };

@@ -166,7 +166,7 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         },
         trees: usize::from(args.trees),
         threads: usize::from(args.threads),
-        records: args.svg.is_some() || args.tree,
+        records: args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
         ..Settings::default()
     })

@@ -247,7 +247,8 @@ fn summary(result: &SweepResult, question: usize) -> String {
         let (first, last) = (run.first()?, run.last()?);
         let range = match run.len() {
             1 => format!("at {}", first.values.concat()),
-            _ => format!("at {} to {}", first.values.concat(), last.values.concat()),
+            // Nothing is said of values in between.
+            count => format!("at the {count} values from {} to {}", first.values.concat(), last.values.concat()),
         };
         Some(format!("{} {range}", verdict(first).words()))
     });

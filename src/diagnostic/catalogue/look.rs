@@ -25,6 +25,25 @@ pub enum WhyNoLook {
     NoPng,
 }
 
+/// A `look` whose picture cannot be shown.
+pub struct NoPicture {
+    /// The path.
+    pub at: Span,
+    /// As written.
+    pub written: String,
+    /// The reason, in a few words.
+    pub why: String,
+}
+
+impl Fact for NoPicture {
+    fn into_diagnostic(self) -> Diagnostic {
+        let NoPicture { at, written, why } = self;
+        Diagnostic::new(Code::NoPicture, format!("the picture `{written}` cannot be shown: {why}"))
+            .at(at, "this path is relative to the folder of this file")
+            .help("put a PNG file there, correct the path, or write a colour such as `#e04030`")
+    }
+}
+
 impl Fact for BadLook {
     fn into_diagnostic(self) -> Diagnostic {
         let BadLook { at, written, why } = self;

@@ -13,8 +13,8 @@ use crate::source::Span;
 
 use crate::ir::{
     Arithmetic, By, Chance, Choice, Clamp, Collider, Discrete, Domain, Edge, Entity, EntityId, EntitySpans, Envelope,
-    Expr, ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, Mode, ModeId, Param, Program,
-    RareVec, Reference, Release, Shape, Signal, Sum, TagId, TagLook, TagSet, Touch, WorldId, verify,
+    Expr, ExprId, Follow, FollowId, Function, Group, Id, IdRange, IdVec, Inputs, LeafId, MapLook, Mode, ModeId, Param,
+    Program, RareVec, Reference, Release, Shape, Signal, Sum, TagId, TagLook, TagSet, Touch, WorldId, verify,
 };
 use term::{Context, duration, rate};
 
@@ -63,6 +63,8 @@ pub fn lower(checked: Checked) -> Program {
             Some(TagLook { world: WorldId::from_index(id), tag, look: look.clone() })
         });
         program.looks.tags.extend(looks);
+        let maps = w.map_looks.iter().map(|map| MapLook { world: WorldId::from_index(id), ..map.clone() });
+        program.looks.maps.extend(maps);
         world::lower(&mut program, &w, predicates);
     }
     // A failure is a bug in this module.

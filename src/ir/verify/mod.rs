@@ -8,7 +8,7 @@ mod world;
 
 use std::fmt;
 
-use super::{EntityLook, Id, IdRange, IdVec, Look, Looks, MAX_TAGS, Program, TagLook, TagSet};
+use super::{EntityLook, Id, IdRange, IdVec, Look, Looks, MAX_TAGS, MapLook, Program, TagLook, TagSet, TilePicture};
 use code::Code;
 
 /// An error in a program, with its location.
@@ -60,7 +60,8 @@ pub fn verify(program: &Program) -> Checked {
     verify_looks(program, looks).at("looks")
 }
 
-fn verify_looks(program: &Program, Looks { entities, tags }: &Looks) -> Checked {
+fn verify_looks(program: &Program, Looks { entities, tags, maps }: &Looks) -> Checked {
+    each_of("maps", maps, |map| map_look(program, map))?;
     each_of("entities", entities, |EntityLook { entity, look: of }| {
         exists(*entity, &program.entities)?;
         look(of)
@@ -75,8 +76,25 @@ fn verify_looks(program: &Program, Looks { entities, tags }: &Looks) -> Checked 
 fn look(look: &Look) -> Checked {
     match look {
         Look::Color(_) => ensure(look.rgb().is_some(), "a colour is not `#` and six hexadecimal digits"),
-        Look::Picture(path) => ensure(!path.is_empty() && !path.starts_with('/'), "a picture has no relative path"),
+        Look::Picture(path) => picture(path),
     }
+}
+
+fn picture(path: &str) -> Checked {
+    ensure(!path.is_empty() && !path.starts_with('/'), "a picture has no relative path")
+}
+
+fn map_look(program: &Program, MapLook { world, space, pictures, tiles, stacks, cells }: &MapLook) -> Checked {
+    exists(*world, &program.worlds)?;
+    exists(*space, &program.worlds[*world].spaces)?;
+    let map = program.worlds[*world].spaces[*space].map.as_ref();
+    same(cells.len(), map.map_or(0, |map| map.cells.len())).at("cells")?;
+    each_of("pictures", pictures, |path| picture(path))?;
+    let is_tile = |tile: &TilePicture| usize::from(tile.picture) < pictures.len() && tile.mirrored < 8;
+    ensure(tiles.iter().all(is_tile), "a tile has no picture, or is mirrored in no way")?;
+    let is_of = |count: usize| move |index: &u16| usize::from(*index) < count;
+    ensure(stacks.iter().flatten().all(is_of(tiles.len())), "a stack has a tile that there is not")?;
+    ensure(cells.iter().all(is_of(stacks.len())), "a cell shows a stack that there is not")
 }
 
 /// Adds the location to a failed check.

@@ -228,7 +228,13 @@ impl CompletionCollector<'_> {
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => {
                 self.names_of_kind(NameKind::Tag)
             }
-            (",", "collide" | "collider") if !cursor.statement.contains(&":") => self.names_of_kind(NameKind::Tag),
+            (",", "collide" | "collider" | "look") if !cursor.statement.contains(&":") => {
+                self.names_of_kind(NameKind::Tag);
+            }
+            // In an entity a colour or a path follows: nothing that has a name.
+            ("look", "look") if own.is_some() => {}
+            ("look", "look") => self.names_of_kind(NameKind::Tag),
+            (":", "look") => {}
             (":", "collide") => self.words(&["block", "sense"]),
             ("block" | ",", "collide") => self.words(&["from above", "keep velocity", "carry", "bounce"]),
             ("sense" | "above" | "velocity" | "carry", "collide") => {}

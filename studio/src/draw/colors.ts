@@ -1,6 +1,7 @@
 // The colours of the stage, for light and dark: by the role of a thing first, then by words in its tags, then in order.
 
-import type { EntityInfo, Role, Scene, SlotInfo, TileInfo } from "../protocol.ts";
+import type { EntityInfo, Look, Role, Scene, SlotInfo, TileInfo } from "../protocol.ts";
+import type { Pictures } from "./pictures.ts";
 
 export type Theme = "light" | "dark";
 
@@ -11,6 +12,10 @@ export interface Paint {
   fill: string;
   light: string;
   dark: string;
+  /** Whether the program says it. */
+  isLook: boolean;
+  /** The path of a picture that is drawn in its place. */
+  picture: string | null;
 }
 
 /** Colours of the stage itself. */
@@ -114,7 +119,16 @@ let paints = 0;
 function paint(hue: number, saturation: number, light: number, theme: Theme): Paint {
   const shift = theme === "dark" ? -4 : 0;
   const at = (more: number): string => hsl(hue, saturation, Math.max(4, Math.min(96, light + shift + more)));
-  return { id: ++paints, fill: at(0), light: at(13), dark: at(-16) };
+  return { id: ++paints, fill: at(0), light: at(13), dark: at(-16), isLook: false, picture: null };
+}
+
+/** A look; until a picture is there, it has the colour that the thing has without a look. */
+function lookPaint(look: Look | null, plain: () => Paint): Paint {
+  if (look === null) return plain();
+  if ("picture" in look) return { ...plain(), id: ++paints, isLook: true, picture: look.picture };
+  const parts = [1, 3, 5].map((at) => parseInt(look.color.slice(at, at + 2), 16));
+  const mixed = (toward: number, part: number): string => `rgb(${parts.map((of) => Math.round(of + (toward - of) * part)).join(" ")})`;
+  return { id: ++paints, fill: look.color, light: mixed(255, 0.28), dark: mixed(0, 0.3), isLook: true, picture: null };
 }
 
 function byWord(name: string): [number, number] | null {
@@ -125,9 +139,16 @@ function byWord(name: string): [number, number] | null {
 /** Scenery that covers more of a map than this is its air. */
 const AIR = 0.55;
 
-/** Whether a kind of tile is not drawn: without tags, or scenery nearly everywhere. */
+/** Whether a kind of tile is not drawn: without tags, or scenery nearly everywhere that has no look. */
 export function isAir(kind: TileInfo, count: number, of: number): boolean {
-  return kind.tags.length === 0 || (kind.role === "scenery" && count > AIR * of);
+  return kind.tags.length === 0 || (kind.look === null && kind.role === "scenery" && count > AIR * of);
+}
+
+/** What the look of a static thing depends on. */
+export interface Thing {
+  tags: number[];
+  role: Role;
+  look: Look | null;
 }
 
 /** A kind of static thing as the legend shows it. */
@@ -147,6 +168,7 @@ export class Colors {
   constructor(
     private readonly scene: Scene,
     readonly theme: Theme,
+    private readonly pictures: Pictures | null = null,
   ) {
     this.backdrop = BACKDROPS[theme];
     this.players = PLAYERS.map(([hue, saturation, light]) => paint(hue, saturation, light, theme));
@@ -154,7 +176,7 @@ export class Colors {
     this.entities = scene.entities.map((entity) => {
       const word = byWord(this.entityWords(entity));
       const [hue, saturation, light] = word ? [word[0], word[1] * 0.9, 56] : ENTITIES[next++ % ENTITIES.length]!;
-      return paint(hue, saturation, light, theme);
+      return lookPaint(entity.look, () => paint(hue, saturation, light, theme));
     });
     for (const space of scene.spaces) {
       // Only what is in a map, the most frequent first.
@@ -163,9 +185,9 @@ export class Colors {
       const used = [...counts].filter(([kind]) => kind >= 0).sort((a, b) => b[1] - a[1]);
       for (const [kind] of used) {
         const info = space.map?.kinds[kind];
-        if (info && !isAir(info, counts.get(kind) ?? 0, space.map?.cells.length ?? 0)) this.kind(info.tags, info.role);
+        if (info && !isAir(info, counts.get(kind) ?? 0, space.map?.cells.length ?? 0)) this.kind(info);
       }
-      for (const solid of space.solids) this.kind(solid.tags, solid.role);
+      for (const solid of space.solids) this.kind(solid);
     }
   }
 
@@ -173,8 +195,18 @@ export class Colors {
     return `${entity.name} ${entity.colliders.flatMap((of) => of.tags.map((tag) => this.scene.tags[tag])).join(" ")}`;
   }
 
+  /** The picture that is drawn in place of a colour, once it is loaded. */
+  picture(of: Paint): HTMLImageElement | null {
+    return of.picture === null ? null : this.pictureOf(of.picture);
+  }
+
+  /** The picture of a path, once it is loaded. */
+  pictureOf(path: string): HTMLImageElement | null {
+    return this.pictures?.get(path) ?? null;
+  }
+
   /** What tiles and solids with some tags look like. */
-  kind(tags: number[], role: Role): Kind {
+  kind({ tags, role, look }: Thing): Kind {
     const name = tags.map((tag) => this.scene.tags[tag] ?? "").join(", ");
     const known = this.kinds.find((kind) => kind.name === name && kind.role === role);
     if (known) return known;
@@ -185,14 +217,15 @@ export class Colors {
     const [hue, saturation] = word ?? list[alike % list.length]!;
     const light = role === "scenery" ? (this.theme === "dark" ? 34 : 76) : isSolid ? 44 : 58;
     const muted = role === "scenery" ? saturation * 0.5 : isSolid ? Math.min(saturation, 46) : saturation;
-    const kind = { name, role, paint: paint(hue, muted, light, this.theme) };
+    const kind = { name, role, paint: lookPaint(look, () => paint(hue, muted, light, this.theme)) };
     this.kinds.push(kind);
     return kind;
   }
 
   body(slot: SlotInfo): Paint {
-    if (slot.player !== null) return this.players[slot.player % this.players.length]!;
-    return this.entities[slot.entity]!;
+    const own = this.entities[slot.entity]!;
+    if (slot.player === null || own.isLook) return own;
+    return this.players[slot.player % this.players.length]!;
   }
 
   entity(index: number): Paint {

@@ -9,6 +9,14 @@ const JUMP = 48;
 /** Side of a cell of the heat map, px. */
 const CELL = 8;
 
+/** As well, two nodes of a search: an input is held over several steps. */
+const LEAP = 200;
+/** Maximum number of lines of a tree that are drawn: the latest ones. */
+const MAX_LINES = 2_000;
+
+/** A node of a search: its space, its place, and the place of the node before it. */
+export type TreeLine = [number, number, number, number, number];
+
 /** Draws the parts of a path that are in a space. */
 export function drawPath(
   context: CanvasRenderingContext2D,
@@ -84,6 +92,8 @@ export class Overlays {
   /** Contacts of the players: slot and the side, as written. */
   contacts: { slot: number; text: string; side: string | null }[] = [];
   private heat: Map<number, number>[] = [];
+  /** Lines of the tree in each space: from x and y, to x and y. */
+  private tree: number[][] = [];
   /** Number of points that were added. */
   points = 0;
 
@@ -110,18 +120,35 @@ export class Overlays {
 
   clearHeat(): void {
     this.heat = (this.game.scene?.spaces ?? []).map(() => new Map<number, number>());
+    this.tree = this.heat.map(() => []);
     this.points = 0;
   }
 
-  addHeat(points: Place[]): void {
+  /** Adds nodes of a search: their places, and those of the nodes before them. */
+  addHeat(points: TreeLine[]): void {
     const { x: dx, y: dy } = this.anchor(0);
-    for (const [space, left, bottom] of points) {
+    for (const [space, left, bottom, fromX, fromY] of points) {
       const [x, y] = [left + dx, bottom + dy];
+      const lines = this.tree[space];
+      const isLine = Math.abs(left - fromX) < LEAP && Math.abs(bottom - fromY) < LEAP && (left !== fromX || bottom !== fromY);
+      if (lines && isLine) {
+        lines.push(fromX + dx, fromY + dy, x, y);
+        if (lines.length > 4 * MAX_LINES) lines.splice(0, 4 * (lines.length / 4 - MAX_LINES));
+      }
       const key = Math.floor(y / CELL) * 65536 + Math.floor(x / CELL);
       const map = this.heat[space];
       if (map) map.set(key, (map.get(key) ?? 0) + 1);
     }
     this.points += points.length;
+  }
+
+  /** Adds cells of 8 px that were counted elsewhere: space, column, row, count. */
+  addCells(cells: [number, number, number, number][]): void {
+    for (const [space, column, row, count] of cells) {
+      const [map, key] = [this.heat[space], row * 65536 + column];
+      if (map) map.set(key, (map.get(key) ?? 0) + count);
+      this.points += count;
+    }
   }
 
   private draw(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
@@ -225,7 +252,24 @@ export class Overlays {
       context.fillRect(x, y, right - x, bottom - y);
     }
     context.globalAlpha = 1;
+    this.drawTree(context, camera, space);
     this.drawUnvisited(context, camera, space, map);
+  }
+
+  /** The tree of the search: how each place was reached. */
+  private drawTree(context: CanvasRenderingContext2D, camera: Camera, space: number): void {
+    const lines = this.tree[space] ?? [];
+    context.strokeStyle = this.stage.colors!.backdrop.ghost;
+    // Fewer lines are stronger; many are a veil, under which the level and a path that is found stay visible.
+    context.globalAlpha = Math.max(0.16, Math.min(0.6, 60 / Math.max(1, lines.length / 4)));
+    context.lineWidth = this.stage.ratio;
+    context.beginPath();
+    for (let at = 0; at < lines.length; at += 4) {
+      context.moveTo(camera.toX(lines[at]!), camera.toY(lines[at + 1]!));
+      context.lineTo(camera.toX(lines[at + 2]!), camera.toY(lines[at + 3]!));
+    }
+    context.stroke();
+    context.globalAlpha = 1;
   }
 
   /** Tops of solid tiles above which no point lies: never stood on. */

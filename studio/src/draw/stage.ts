@@ -8,6 +8,7 @@ import { Camera } from "./camera.ts";
 import { Colors, type Theme } from "./colors.ts";
 import { drawFace } from "./face.ts";
 import { Overview } from "./overview.ts";
+import { Pictures } from "./pictures.ts";
 import { Sprites } from "./sprites.ts";
 import { Scenery } from "./tiles.ts";
 
@@ -48,6 +49,7 @@ export class Stage {
   private readonly context: CanvasRenderingContext2D;
   private readonly sprites = new Sprites();
   private readonly overview = new Overview();
+  readonly pictures: Pictures;
   private layers: Scenery[] = [];
   private theme: Theme = "light";
   private last = 0;
@@ -66,6 +68,10 @@ export class Stage {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "application");
     this.canvas.setAttribute("aria-label", "The game");
+    this.pictures = new Pictures(game.carrier);
+    this.pictures.onLoaded.on(() => this.rebuild());
+    this.pictures.onTrouble.on((why) => game.onTrouble.emit(why));
+    game.onPictures.on(() => this.pictures.forget());
     game.onScene.on(() => this.refresh());
     game.onShown.on(() => this.readBroken());
   }
@@ -76,9 +82,15 @@ export class Stage {
   }
 
   private refresh(): void {
+    this.rebuild();
+    this.camera.jump();
+  }
+
+  /** Makes what is kept of the scene anew. */
+  private rebuild(): void {
     const scene = this.game.scene;
     if (!scene) return;
-    const colors = new Colors(scene, this.theme);
+    const colors = new Colors(scene, this.theme, this.pictures);
     this.colors = colors;
     this.sprites.clear();
     this.layers = scene.spaces.map((space) => new Scenery(space, colors));
@@ -87,7 +99,6 @@ export class Stage {
     if (this.camera.space >= scene.spaces.length) this.camera.space = 0;
     this.overview.layout(scene, colors);
     this.readBroken();
-    this.camera.jump();
     this.onColors.emit();
   }
 
@@ -276,6 +287,7 @@ export class Stage {
     const count = bodies[at + 4]!;
     let hasSolid = false;
     for (let part = 0; part < count; part++) hasSolid ||= entity.colliders[bodies[at + HEAD + part * PART]!]!.is_solid;
+    const picture = this.colors!.picture(paint);
     for (let part = 0; part < count; part++) {
       const from = at + HEAD + part * PART;
       const collider = entity.colliders[bodies[from]!]!;
@@ -284,7 +296,9 @@ export class Stage {
       const isBody = collider.is_solid || (!hasSolid && !this.isWide(left, bottom, right, top));
       const [px, py] = [x + left * scale, y - top * scale];
       const [w, h] = [(right - left) * scale, (top - bottom) * scale];
-      if (isBody) {
+      if (isBody && picture) {
+        continue;
+      } else if (isBody) {
         this.sprites.draw(context, paint, collider.is_round, collider.is_solid, px, py, w, h);
       } else if (this.shows.sensors || isMarked) {
         this.outline(px, py, w, h, collider.is_round);
@@ -294,7 +308,12 @@ export class Stage {
     if (hasBox) this.lastBoxes.set(box, 4 * slot);
     else for (let side = 0; side < 4; side++) box[side] = this.lastBoxes[4 * slot + side]!;
     if (!hasBox) this.drawGone(paint.fill, x, y);
-    if (isPlayer) {
+    if (picture && hasBox) {
+      context.imageSmoothingEnabled = false;
+      context.drawImage(picture, Math.round(x + box[0] * scale), Math.round(y - box[3] * scale), Math.round((box[2] - box[0]) * scale), Math.round((box[3] - box[1]) * scale));
+      context.imageSmoothingEnabled = true;
+    }
+    if (isPlayer && !picture) {
       const from = game.then.start(slot);
       const before = game.before?.bodies;
       const [dx, dy] = from >= 0 && before ? [bodies[at + 2]! - before[from + 2]!, bodies[at + 3]! - before[from + 3]!] : [0, 0];

@@ -3,6 +3,23 @@
 
 import type { MapInfo, SpaceInfo, TileInfo } from "../protocol.ts";
 import { type Colors, isAir, type Kind } from "./colors.ts";
+import {
+  type Context,
+  drawBorder,
+  drawCracks,
+  drawOneWay,
+  drawPicture,
+  drawSensed,
+  drawSlopeEdge,
+  drawSolids,
+  drawTile,
+  drawWall,
+  edgeOf,
+  type Joins,
+  type Rect,
+  slopeLine,
+  slopePath,
+} from "./shapes.ts";
 
 /** Side of a piece, pixels of the device. */
 const PIECE = 512;
@@ -13,9 +30,6 @@ interface Piece {
   canvas: HTMLCanvasElement;
   used: number;
 }
-
-/** What of a context is needed to draw into it. */
-export type Context = CanvasRenderingContext2D;
 
 /** Draws what does not move in a space: the sky, tiles, free-standing rectangles. */
 export class Scenery {
@@ -32,12 +46,12 @@ export class Scenery {
     private readonly space: SpaceInfo,
     private readonly colors: Colors,
   ) {
-    this.map = space.map ?? { cells: [], columns: 0, is_painted: false, kinds: [], rows: 0, tile: [16, 16] };
+    this.map = space.map ?? { art: null, cells: [], columns: 0, is_painted: false, kinds: [], rows: 0, tile: [16, 16] };
     const { cells, kinds } = this.map;
     const counts = kinds.map(() => 0);
     for (const cell of cells) if (cell >= 0) counts[cell] = counts[cell]! + 1;
     const look = (kind: TileInfo, at: number): Kind | null =>
-      isAir(kind, counts[at]!, cells.length) ? null : colors.kind(kind.tags, kind.role);
+      isAir(kind, counts[at]!, cells.length) ? null : colors.kind(kind);
     this.kinds = kinds.map(look);
     this.isBroken = new Uint8Array(cells.length);
   }
@@ -137,10 +151,18 @@ export class Scenery {
     const toColumn = Math.min(map.columns - 1, Math.ceil((left - mapX + PIECE) / width));
     const fromRow = Math.max(0, Math.floor((top - mapY) / height) - 1);
     const toRow = Math.min(map.rows - 1, Math.ceil((top - mapY + PIECE) / height));
-    for (let row = fromRow; row <= toRow; row++) {
-      for (let column = fromColumn; column <= toColumn; column++) {
-        const kind = this.at(column, row);
-        if (kind) this.drawCell(context, kind, column, row);
+    // Edges of slopes reach into the cells below them: they come last.
+    for (const isLast of [false, true]) {
+      for (let row = fromRow; row <= toRow; row++) {
+        for (let column = fromColumn; column <= toColumn; column++) {
+          if (!this.isBroken[row * map.columns + column] && map.art) {
+            if (isLast ? this.hasArt(column, row) : this.drawArt(context, column, row)) continue;
+          }
+          const kind = this.at(column, row);
+          if (!kind) continue;
+          if (isLast) this.drawEdge(context, kind, column, row);
+          else this.drawCell(context, kind, column, row);
+        }
       }
     }
     context.restore();
@@ -167,194 +189,94 @@ export class Scenery {
     return other === kind || (kind.role === "solid" && other?.role === "solid");
   }
 
-  private drawCell(context: Context, kind: Kind, column: number, row: number): void {
-    const { map, scale } = this;
-    const [width, height] = [map.tile[0] * scale, map.tile[1] * scale];
+  private info(column: number, row: number): TileInfo {
+    return this.map.kinds[this.map.cells[row * this.map.columns + column]!]!;
+  }
+
+  /** The rectangle of a cell, from the upper left corner of the map. */
+  private rect(column: number, row: number): Rect {
+    const [width, height] = [this.map.tile[0] * this.scale, this.map.tile[1] * this.scale];
     const [x, y] = [Math.round(column * width), Math.round(row * height)];
-    const [w, h] = [Math.round((column + 1) * width) - x, Math.round((row + 1) * height) - y];
-    const info = map.kinds[map.cells[row * map.columns + column]!]!;
-    if (info.slope) return drawSlope(context, kind, info.slope, x, y, w, h, scale);
+    return { x, y, w: Math.round((column + 1) * width) - x, h: Math.round((row + 1) * height) - y };
+  }
+
+  /** Whether a cell shows something of the level editor. */
+  private hasArt(column: number, row: number): boolean {
+    const { art } = this.map;
+    const stack = art?.stacks[art.cells[row * this.map.columns + column] ?? 0] ?? [];
+    return stack.length > 0 && stack.every((index) => this.colors.pictureOf(art!.pictures[art!.tiles[index]!.picture]!));
+  }
+
+  /** Draws what a cell shows in the level editor; returns false if that is nothing, or is not loaded. */
+  private drawArt(context: Context, column: number, row: number): boolean {
+    const { art } = this.map;
+    const stack = art?.stacks[art.cells[row * this.map.columns + column] ?? 0] ?? [];
+    if (!art || stack.length === 0) return false;
+    const rect = this.rect(column, row);
+    for (const index of stack) {
+      const tile = art.tiles[index]!;
+      const picture = this.colors.pictureOf(art.pictures[tile.picture]!);
+      if (!picture) return false;
+      drawTile(context, picture, tile, rect, this.map.tile);
+    }
+    return true;
+  }
+
+  private drawCell(context: Context, kind: Kind, column: number, row: number): void {
+    const info = this.info(column, row);
+    const rect = this.rect(column, row);
+    const { x, y, w, h } = rect;
+    const picture = this.colors.picture(kind.paint);
+    if (info.slope) {
+      slopePath(context, slopeLine(rect, info.slope, this.map.tile), y + h);
+      if (picture) {
+        context.save();
+        context.clip();
+        drawPicture(context, picture, rect);
+        context.restore();
+      } else {
+        context.fillStyle = kind.paint.fill;
+        context.fill();
+      }
+      return;
+    }
+    if (picture) return drawPicture(context, picture, rect);
     const isAlone = info.breakable && kind.role === "solid";
-    const left = !isAlone && this.joins(kind, column - 1, row);
-    const right = !isAlone && this.joins(kind, column + 1, row);
-    const above = !isAlone && this.joins(kind, column, row - 1);
-    const below = !isAlone && this.joins(kind, column, row + 1);
-    if (kind.role === "one_way") return drawOneWay(context, kind, x, y, w, h, left, right, above);
-    if (kind.role === "sensed" || kind.role === "scenery") {
-      return drawSensed(context, kind, x, y, w, h, [left, right, above, below]);
-    }
-    const round = Math.min(w, h) * (info.breakable ? 0.16 : 0.24);
-    const corner = (a: boolean, b: boolean): number => (a || b ? 0 : round);
-    context.fillStyle = kind.paint.fill;
-    context.beginPath();
-    context.roundRect(x, y, w, h, [corner(left, above), corner(right, above), corner(right, below), corner(left, below)]);
-    context.fill();
-    const edge = Math.max(1, Math.round(Math.min(w, h) * 0.14));
+    const joins: Joins = {
+      left: !isAlone && this.joins(kind, column - 1, row),
+      right: !isAlone && this.joins(kind, column + 1, row),
+      above: !isAlone && this.joins(kind, column, row - 1),
+      below: !isAlone && this.joins(kind, column, row + 1),
+    };
+    if (kind.role === "one_way") return drawOneWay(context, kind, rect, joins);
+    if (kind.role === "sensed" || kind.role === "scenery") return drawSensed(context, kind, rect, joins);
+    drawWall(context, kind, rect, joins, Math.min(w, h) * (info.breakable ? 0.16 : 0.24), edgeOf(w, h));
+    if (info.breakable) drawCracks(context, kind, rect);
+    // Another kind of wall beside it: a fine line between both, but a slope belongs to the ground that it is on.
+    if (joins.above && this.isOther(kind, column, row - 1)) drawBorder(context, kind, { x, y, w, h: 1 });
+    if (joins.left && this.isOther(kind, column - 1, row)) drawBorder(context, kind, { x, y, w: 1, h });
+  }
+
+  /** Whether a cell of the map is another kind of wall. */
+  private isOther(kind: Kind, column: number, row: number): boolean {
+    if (column < 0 || row < 0 || this.at(column, row) === kind) return false;
+    return !this.info(column, row).slope;
+  }
+
+  /** The lit edge of a slope. */
+  private drawEdge(context: Context, kind: Kind, column: number, row: number): void {
+    const { slope } = this.info(column, row);
+    if (!slope || this.colors.picture(kind.paint)) return;
+    const rect = this.rect(column, row);
+    const line = slopeLine(rect, slope, this.map.tile);
+    const below = this.at(column, row + 1);
     context.save();
-    context.clip();
-    if (!below) {
-      context.fillStyle = kind.paint.dark;
-      context.globalAlpha = 0.55;
-      context.fillRect(x, y + h - edge, w, edge);
-    }
-    context.globalAlpha = 1;
-    if (!above) {
-      context.fillStyle = kind.paint.light;
-      context.fillRect(x, y, w, edge);
-    }
-    if (info.breakable) drawCracks(context, kind, x, y, w, h);
-    context.restore();
-    // Another kind of wall beside it: a fine line between both.
-    if (above && this.at(column, row - 1) !== kind && row > 0) line(context, kind, x, y, w, 1);
-    if (left && this.at(column - 1, row) !== kind && column > 0) line(context, kind, x, y, 1, h);
-  }
-}
-
-function line(context: Context, kind: Kind, x: number, y: number, w: number, h: number): void {
-  context.fillStyle = kind.paint.dark;
-  context.globalAlpha = 0.6;
-  context.fillRect(x, y, w, h);
-  context.globalAlpha = 1;
-}
-
-function drawCracks(context: Context, kind: Kind, x: number, y: number, w: number, h: number): void {
-  context.strokeStyle = kind.paint.dark;
-  context.globalAlpha = 0.6;
-  context.lineWidth = Math.max(1, w / 18);
-  context.beginPath();
-  context.moveTo(x + w * 0.18, y + h * 0.42);
-  context.lineTo(x + w * 0.45, y + h * 0.55);
-  context.lineTo(x + w * 0.6, y + h * 0.35);
-  context.moveTo(x + w * 0.45, y + h * 0.55);
-  context.lineTo(x + w * 0.52, y + h * 0.82);
-  context.stroke();
-  context.globalAlpha = 1;
-}
-
-/** Solid from above only: a plank with light beneath it. */
-function drawOneWay(
-  context: Context,
-  kind: Kind,
-  x: number,
-  y: number,
-  w: number,
-  h: number,
-  left: boolean,
-  right: boolean,
-  above: boolean,
-): void {
-  const plank = Math.max(2, Math.round(h * 0.3));
-  const round = plank * 0.5;
-  context.fillStyle = kind.paint.fill;
-  context.globalAlpha = 0.22;
-  context.fillRect(x, y + (above ? 0 : plank * 0.5), w, h - (above ? 0 : plank * 0.5));
-  context.globalAlpha = 1;
-  if (above) return;
-  context.beginPath();
-  context.roundRect(x, y, w, plank, [left ? 0 : round, right ? 0 : round, right ? 0 : round, left ? 0 : round]);
-  context.fill();
-  context.fillStyle = kind.paint.light;
-  context.fillRect(x + (left ? 0 : round), y, w - (left ? 0 : round) - (right ? 0 : round), Math.max(1, plank * 0.3));
-}
-
-/** What does not hold anything back: a tint with a rim where it ends. */
-function drawSensed(
-  context: Context,
-  kind: Kind,
-  x: number,
-  y: number,
-  w: number,
-  h: number,
-  [left, right, above, below]: [boolean, boolean, boolean, boolean],
-): void {
-  const isScenery = kind.role === "scenery";
-  const round = Math.min(w, h) * 0.26;
-  const corner = (a: boolean, b: boolean): number => (a || b ? 0 : round);
-  context.fillStyle = kind.paint.fill;
-  context.globalAlpha = isScenery ? 0.35 : 0.42;
-  context.beginPath();
-  context.roundRect(x, y, w, h, [corner(left, above), corner(right, above), corner(right, below), corner(left, below)]);
-  context.fill();
-  if (isScenery) {
-    context.globalAlpha = 1;
-    return;
-  }
-  context.save();
-  context.clip();
-  context.globalAlpha = 0.85;
-  const rim = Math.max(1, Math.round(Math.min(w, h) * 0.07));
-  if (!left) context.fillRect(x, y, rim, h);
-  if (!right) context.fillRect(x + w - rim, y, rim, h);
-  if (!above) context.fillRect(x, y, w, rim);
-  if (!below) context.fillRect(x, y + h - rim, w, rim);
-  context.restore();
-  context.globalAlpha = 1;
-}
-
-/** A tile that is solid below a line. */
-function drawSlope(
-  context: Context,
-  kind: Kind,
-  [x1, y1, x2, y2]: [number, number, number, number],
-  x: number,
-  y: number,
-  w: number,
-  h: number,
-  scale: number,
-): void {
-  const [leftX, rightX] = [x + x1 * scale, x + Math.min(w, x2 * scale)];
-  const [leftY, rightY] = [y + h - y1 * scale, y + h - y2 * scale];
-  context.fillStyle = kind.paint.fill;
-  context.beginPath();
-  context.moveTo(leftX, y + h);
-  context.lineTo(leftX, leftY);
-  context.lineTo(rightX, rightY);
-  context.lineTo(rightX, y + h);
-  context.closePath();
-  context.fill();
-  // The lit edge is as high as that of level ground.
-  const edge = Math.max(1, Math.round(Math.min(w, h) * 0.14));
-  context.fillStyle = kind.paint.light;
-  context.beginPath();
-  context.moveTo(leftX, leftY);
-  context.lineTo(rightX, rightY);
-  context.lineTo(rightX, Math.min(y + h, rightY + edge));
-  context.lineTo(leftX, Math.min(y + h, leftY + edge));
-  context.closePath();
-  context.fill();
-}
-
-/** Draws the free-standing rectangles of a space. */
-function drawSolids(
-  context: Context,
-  space: SpaceInfo,
-  colors: Colors,
-  toX: (x: number) => number,
-  toY: (y: number) => number,
-  scale: number,
-): void {
-  for (const solid of space.solids) {
-    const kind = colors.kind(solid.tags, solid.role);
-    const [left, bottom, right, top] = solid.area;
-    const [x, y] = [Math.round(toX(left)), Math.round(toY(top))];
-    const [w, h] = [Math.max(1, Math.round(toX(right)) - x), Math.max(1, Math.round(toY(bottom)) - y)];
-    const isFlat = kind.role === "sensed" || kind.role === "scenery";
-    if (isFlat) {
-      drawSensed(context, kind, x, y, w, h, [false, false, false, false]);
-    } else if (kind.role === "one_way") {
-      drawOneWay(context, kind, x, y, w, h, false, false, false);
-    } else {
-      const round = Math.min(4 * scale, Math.min(w, h) * 0.24);
-      const edge = Math.max(1, Math.min(2.2 * scale, Math.min(w, h) * 0.14));
-      context.fillStyle = kind.paint.fill;
-      context.beginPath();
-      context.roundRect(x, y, w, h, round);
-      context.fill();
-      context.save();
+    // Where nothing solid is below it, the slope ends with its tile.
+    if (below?.role !== "solid" && row + 1 < this.map.rows) {
+      slopePath(context, line, rect.y + rect.h);
       context.clip();
-      context.fillStyle = kind.paint.light;
-      context.fillRect(x, y, w, edge);
-      context.restore();
     }
+    drawSlopeEdge(context, kind, line, edgeOf(rect.w, rect.h));
+    context.restore();
   }
 }

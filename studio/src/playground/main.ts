@@ -7,10 +7,12 @@ import { ask } from "../carrier.ts";
 import type { Studio } from "../app.ts";
 import { recall } from "../memory.ts";
 import { button, h } from "../ui/dom.ts";
+import { download } from "../ui/play_panel.ts";
 import type { EngineParts } from "../worker/client.ts";
 import { partsOf } from "../worker/embedded.ts";
 import type { Project } from "../worker/project.ts";
 import { startInBrowser } from "../worker/studio.ts";
+import { base64, exportedPage, packedProject } from "./export.ts";
 import { FIRST, galleryPage, projectOf, type Gallery } from "./gallery.ts";
 import { packed, unpackedProject } from "./share.ts";
 
@@ -72,13 +74,33 @@ async function share(studio: Studio, project: Project): Promise<void> {
   }
 }
 
+/** Gives the game to the browser's downloads, as one file. */
+async function exportGame(studio: Studio, project: Project): Promise<void> {
+  try {
+    const [page, engine] = await Promise.all([
+      fetched("play.html").then((response) => response.text()),
+      fetched("hypedc.wasm.gz").then((response) => response.blob()).then(base64),
+    ]);
+    const used = studio.game.opened?.files ?? [];
+    const html = exportedPage(page, packedProject(await current(studio, project), used), engine);
+    const name = (project.root.split("/").pop() ?? "game").replace(/\.hyped$/, ".html");
+    download(name, html);
+    studio.toasts.show(`${name}: one file that plays without a network, ${Math.ceil(html.length / 1000)} kB`, "good");
+  } catch (error) {
+    studio.toasts.show(`The game cannot be exported: ${error instanceof Error ? error.message : String(error)}`, "bad");
+  }
+}
+
 async function play(project: Project, parts: Promise<EngineParts>): Promise<void> {
   const host = h("div", { class: "page" });
   document.body.replaceChildren(host);
   const studio = await startInBrowser(await parts, project, { host });
   studio.bar.prepend(h("a", { href: "#", class: "button small back" }, "Gallery"));
   const theme = studio.bar.querySelector(".grow");
-  theme?.after(button("Share", () => void share(studio, project), "small"));
+  theme?.after(
+    button("Share", () => void share(studio, project), "small"),
+    button("Export", () => void exportGame(studio, project), "small export"),
+  );
   if (innerWidth >= WIDE) studio.sidebar.show("text");
   window.studio = studio;
 }

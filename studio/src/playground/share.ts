@@ -56,11 +56,15 @@ function checked(value: unknown): Project {
   const isText = (text: unknown): boolean => text === undefined || text === null || typeof text === "string";
   const files = of["files"];
   const isFiles = typeof files === "object" && files !== null && Object.values(files).every((text) => typeof text === "string");
+  const pictures = of["pictures"] ?? {};
+  const isPicture = (address: unknown): boolean => typeof address === "string" && address.startsWith("data:image/png;base64,");
+  const isPictures = typeof pictures === "object" && pictures !== null && Object.values(pictures).every(isPicture);
   const tile = of["tile"] ?? null;
   const isTile = tile === null || (Array.isArray(tile) && tile.length === 2 && tile.every((side) => typeof side === "number"));
-  if (!isFiles || typeof of["root"] !== "string" || !isText(of["map"]) || !isText(of["legend"]) || !isTile) {
+  if (!isFiles || typeof of["root"] !== "string" || !isText(of["map"]) || !isText(of["legend"]) || !isTile || !isPictures) {
     throw new Error("the link holds no program");
   }
   const { root, map, legend } = of as unknown as Project;
-  return { files: files as Record<string, string>, root, map: map ?? null, legend: legend ?? null, tile: tile as [number, number] | null };
+  const held = { files: files as Record<string, string>, pictures: pictures as Record<string, string> };
+  return { ...held, root, map: map ?? null, legend: legend ?? null, tile: tile as [number, number] | null };
 }

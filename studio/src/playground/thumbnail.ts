@@ -30,7 +30,7 @@ export function thumbnail(scene: Scene, frame: Frame, theme: Theme): string {
   if (space.map !== null) parts.push(...tiles(space.map, broken, colors, view, x, y, scale));
   for (const solid of space.solids) {
     const [left, bottom, right, top] = solid.area;
-    const kind = colors.kind(solid.tags, solid.role);
+    const kind = colors.kind(solid);
     parts.push(rect({ left, bottom, right, top }, x, y, scale, kind.paint.fill, look(kind), 3));
   }
   for (const body of bodies) {
@@ -148,7 +148,7 @@ function tiles(map: MapInfo, broken: Set<number>, colors: Colors, view: Box, x: 
         column = end;
         continue;
       }
-      const look = colors.kind(info.tags, info.role);
+      const look = colors.kind(info);
       const before = paths.get(look) ?? "";
       if (info.slope !== null) {
         const [x1, y1, x2, y2] = info.slope;

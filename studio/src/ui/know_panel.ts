@@ -133,6 +133,7 @@ export class KnowPanel implements Panel {
         hasBounds ? h("td", { class: "can-be" }, this.bounds.get(`${value.kind} ${value.name}`) ?? "") : null,
       );
     this.values.replaceChildren(
+      hasBounds && this.game.isCarried ? h("caption", { class: "quiet" }, "What values can be from the start of the world. This run goes on from a state of the program before.") : "",
       h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Name"), h("th", { scope: "col" }, "Is"), hasBounds ? h("th", { scope: "col" }, "Can be") : null)),
       h("tbody", {}, ...values.map(row)),
     );

@@ -9,6 +9,8 @@ export class Paint implements Painter {
   readonly element = h("div", { class: "paint" });
   symbol: string | null = null;
   private readonly choices = h("div", { class: "tiles", role: "radiogroup", "aria-label": "Tile to paint" });
+  private readonly how = h("p", { class: "quiet" });
+  private readonly undoButton = button("Undo", () => void this.undo(), "small");
   private isPainting = false;
   private readonly queue: [number, number, string][] = [];
 
@@ -19,9 +21,9 @@ export class Paint implements Painter {
   ) {
     this.element.append(
       h("h2", {}, "Tiles"),
-      h("p", { class: "quiet" }, "Choose a tile and paint into the level with the mouse. Each cell is one character of the map in the text."),
+      this.how,
       this.choices,
-      button("Undo", () => void this.undo(), "small"),
+      this.undoButton,
     );
     stage.onColors.on(() => this.build());
   }
@@ -34,15 +36,20 @@ export class Paint implements Painter {
 
   private build(): void {
     const { game, stage } = this;
-    const maps = (game.scene?.spaces ?? []).map((space) => space.map).filter((map) => map?.is_painted);
+    const all = (game.scene?.spaces ?? []).map((space) => space.map).filter((map) => map !== null);
+    const maps = all.filter((map) => map.is_painted);
     const seen = new Map<string, { label: string; color: string }>();
     for (const map of maps) {
-      for (const kind of map?.kinds ?? []) {
-        const paint = kind.tags.length > 0 ? stage.colors?.kind(kind.tags, kind.role).paint.fill : undefined;
+      for (const kind of map.kinds) {
+        const paint = kind.tags.length > 0 ? stage.colors?.kind(kind).paint.fill : undefined;
         if (!seen.has(kind.symbol)) seen.set(kind.symbol, { label: kind.label, color: paint ?? "transparent" });
       }
     }
-    this.element.hidden = seen.size === 0;
+    this.element.hidden = all.length === 0;
+    this.choices.hidden = seen.size === 0;
+    this.undoButton.hidden = seen.size === 0;
+    const others = maps.length < all.length ? "Maps of a level editor are not painted here: change them in the editor, and save. They are played at once." : "";
+    this.how.textContent = seen.size === 0 ? others : `Choose a tile and paint into the level with the mouse. Each cell is one character of the map in the text. ${others}`;
     const choice = (value: string, label: string, color: string): HTMLElement => {
       const swatch = h("span", { class: "swatch solid" });
       swatch.style.setProperty("--color", color);

@@ -1,9 +1,11 @@
 // The first panel: the keys, what the colours mean, what is shown on request, and the run as a script.
 
+import type { Paint } from "../draw/colors.ts";
 import type { Stage } from "../draw/stage.ts";
 import type { Game } from "../game.ts";
 import { type Action, keyName } from "../input/actions.ts";
 import type { Inputs } from "../input/keys.ts";
+import { recall, remember } from "../memory.ts";
 import { button, h, section, toggle } from "./dom.ts";
 import type { Panel } from "./sidebar.ts";
 import type { Toasts } from "./toasts.ts";
@@ -41,6 +43,7 @@ export class PlayPanel implements Panel {
         shown("Grid", "grid"),
       ),
       section("This run", this.run()),
+      section("After a change of the text", this.afterChange()),
     );
     this.world.addEventListener("change", () => void game.open(this.world.value));
     game.onOpened.on((opened) => {
@@ -49,6 +52,25 @@ export class PlayPanel implements Panel {
     });
     inputs.onActions.on(() => this.showKeys());
     stage.onColors.on(() => this.showLegend());
+  }
+
+  /** What goes on when the program is another one. */
+  private afterChange(): HTMLElement {
+    const keeps = recall("keep") === "state";
+    if (keeps) void this.game.keep(true);
+    const radio = (value: string, text: string, isChecked: boolean): HTMLElement => {
+      const input = h("input", { type: "radio", name: "keep", value, checked: isChecked, onchange: () => {
+        remember("keep", value);
+        void this.game.keep(value === "state");
+      } });
+      return h("label", { class: "radio" }, input, text);
+    };
+    return h(
+      "div",
+      { class: "choices", role: "radiogroup", "aria-label": "After a change of the text" },
+      radio("inputs", "play the inputs again, with the run before as a ghost", !keeps),
+      radio("state", "go on from this state, by names", keeps),
+    );
   }
 
   private showKeys(): void {
@@ -107,17 +129,19 @@ export class PlayPanel implements Panel {
     if (!colors || !scene) return;
     const words = { solid: "solid", one_way: "solid from above", sensed: "sensed", scenery: "no contact" };
     const used = new Set(scene.slots.map((slot) => slot.entity));
-    const swatch = (color: string, kind: string): HTMLElement => {
-      const element = h("span", { class: `swatch ${kind}` });
-      element.style.setProperty("--color", color);
+    const swatch = (paint: Paint, kind: string): HTMLElement => {
+      const picture = colors.picture(paint);
+      if (picture) return h("img", { class: "swatch picture", src: picture.src, alt: "" });
+      const element = h("span", { class: `swatch ${kind}${paint.isLook ? " look" : ""}` });
+      element.style.setProperty("--color", paint.fill);
       return element;
     };
     this.legend.replaceChildren(
       ...colors.kinds.map((kind) =>
-        h("li", {}, swatch(kind.paint.fill, kind.role), kind.name, h("span", { class: "quiet" }, ` ${words[kind.role]}`)),
+        h("li", {}, swatch(kind.paint, kind.role), kind.name, h("span", { class: "quiet" }, ` ${words[kind.role]}`)),
       ),
       ...[...used].map((entity) =>
-        h("li", {}, swatch(colors.entity(entity).fill, "body"), scene.entities[entity]!.name),
+        h("li", {}, swatch(colors.entity(entity), "body"), scene.entities[entity]!.name),
       ),
     );
   }

@@ -137,6 +137,12 @@ export class WorkerCarrier implements Carrier {
     return "This page has no files on a disk.";
   }
 
+  async picture(path: string): Promise<string> {
+    const address = this.project.pictures?.[path];
+    if (address !== undefined) return address;
+    throw new Error(`cannot show \`${path}\`: this page holds no such picture`);
+  }
+
   onLost(listener: (why: string) => void): void {
     this.lost.push(listener);
   }

@@ -36,7 +36,8 @@ export class EngineWorker {
     this.worker = workerOf(parts.script);
     this.worker.addEventListener("message", (event: MessageEvent<FromWorker>) => this.take(event.data));
     this.worker.addEventListener("error", (event) => this.onFailure(event.message));
-    this.send({ kind: "start", module: parts.module, project });
+    const { pictures: _, ...texts } = project;
+    this.send({ kind: "start", module: parts.module, project: texts });
   }
 
   /** Asks; the answer is JSON. A request on which the engine fails is refused. */

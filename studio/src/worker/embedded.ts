@@ -1,5 +1,6 @@
 // What an exported page carries: the files of a program, and the engine.
 
+import type { Report } from "../report.ts";
 import type { Project } from "./project.ts";
 import type { EngineParts } from "./client.ts";
 import { unpacked } from "./engine.ts";
@@ -11,6 +12,8 @@ declare const WORKER_SCRIPT: string;
 export interface Embedded {
   parts: EngineParts;
   project: Project;
+  /** What a command reports about the program. */
+  report: Report | null;
 }
 
 /** What this page carries; null if `hypedc play` serves it. */
@@ -18,7 +21,8 @@ export async function embedded(): Promise<Embedded | null> {
   const text = (id: string): string | null => document.getElementById(id)?.textContent ?? null;
   const [project, engine] = [text("project"), text("engine")];
   if (project === null || engine === null) return null;
-  return { parts: await partsOf(decoded(engine)), project: JSON.parse(project) as Project };
+  const report = JSON.parse(text("report") ?? "null") as Report | null;
+  return { parts: await partsOf(decoded(engine)), project: JSON.parse(project) as Project, report };
 }
 
 /** The bytes of Base64. */

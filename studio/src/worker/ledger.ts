@@ -5,7 +5,7 @@ import type { Answer, Request } from "../protocol.ts";
 
 /** Requests that change a session. */
 export const CHANGES: ReadonlySet<Request["ask"]> =
-  new Set(["open", "reload", "edit", "set", "write", "paint", "undo", "play", "seek", "load"]);
+  new Set(["open", "reload", "edit", "set", "write", "paint", "undo", "play", "seek", "load", "keep"]);
 /** Maximum number of requests before they are replaced by what they led to. */
 const MAX_LENGTH = 1_500;
 /** As well, characters of texts in them. */
@@ -51,7 +51,12 @@ export class Ledger {
     if (this.requests.some(({ ask }) => ask === "write" || ask === "paint" || ask === "undo")) return;
     const last = new Map<string | null | undefined, Request>();
     for (const request of this.requests) if (request.ask === "edit") last.set(request.path, request);
-    this.requests = [...last.values()];
+    this.requests = [...this.kept(), ...last.values()];
+  }
+
+  /** What was last said to go on after a change. */
+  private kept(): Request[] {
+    return this.requests.filter(({ ask }) => ask === "keep").slice(-1);
   }
 
   /** Replaces the requests by others that lead to the same texts, world, inputs and frame. */
@@ -60,7 +65,7 @@ export class Ledger {
     const script = ask({ ask: "script" });
     const opened = this.requests.find((request) => request.ask === "open");
     if (paths.answer !== "paths" || script.answer !== "text") return;
-    const next: Request[] = [{ ask: "open", world: opened?.ask === "open" ? (opened.world ?? null) : null }];
+    const next: Request[] = [...this.kept(), { ask: "open", world: opened?.ask === "open" ? (opened.world ?? null) : null }];
     let text = script.text.length;
     for (const path of paths.paths) {
       const now = ask({ ask: "text", path });

@@ -5,6 +5,8 @@ import type { Request } from "../protocol.ts";
 /** The files of a program: texts by name, as the engine's request `files` takes them. */
 export interface Project {
   files: Record<string, string>;
+  /** The pictures that the program names, as addresses that hold the whole files. The engine needs none of them. */
+  pictures?: Record<string, string>;
   root: string;
   map?: string | null;
   legend?: string | null;

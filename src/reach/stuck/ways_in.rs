@@ -1,0 +1,161 @@
+//! The points of no return of a complete graph: where a state that can still arrive leads to one that is stuck.
+
+use std::collections::BTreeMap;
+
+use crate::sim::{Input, Script};
+
+use super::super::controls::ControlSets;
+use super::super::problem::Problem;
+use super::super::tree::NodeId;
+use super::fates::Fate;
+use super::graph::{StateGraph, input_of, script_to};
+use super::place::{Places, PlayerPlace};
+
+/// Maximum number of steps for which nothing is pressed until the consequences of an input show.
+const SETTLING: u64 = 60;
+
+/// A way to a place from which the goal cannot be reached, while it can from the state before the last step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WayIn {
+    /// Where the players are after it, in words.
+    pub place: String,
+    /// The inputs from the initial state.
+    pub script: Script,
+    /// The input of its last step.
+    pub last: Input,
+    /// What differs soon after from what would be without the last input, in words, of all but the players.
+    pub changes: Vec<String>,
+    /// The number of stuck states that can be reached by it: by all ways into the same place.
+    pub behind: u64,
+}
+
+/// All ways into one place.
+struct Group {
+    /// The last state that arrives and the first that is stuck, of the shortest way.
+    shortest: (u32, u32),
+    steps: u32,
+    /// The stuck states that they lead to.
+    entered: Vec<u32>,
+}
+
+/// The shortest way into each place, by length and then by what is behind it, at most `limit` of them; and the number of
+/// places.
+pub(super) fn ways_in(
+    problem: &Problem<'_>,
+    (graph, controls): (&StateGraph, &ControlSets),
+    fates: &[Fate],
+    limit: usize,
+) -> (Vec<WayIn>, usize) {
+    let places = Places::new(problem);
+    let groups = groups(graph, fates, &places);
+    let all = groups.len();
+    let mut groups: Vec<(Vec<PlayerPlace>, Group, u64)> = groups.into_iter().map(|(key, g)| (key, g, 0)).collect();
+    groups.sort_by_key(|(_, group, _)| group.steps);
+    // Those of the same length as the last one compete by size.
+    let last = groups.get(limit.saturating_sub(1)).map(|(_, group, _)| group.steps);
+    let near = last.map_or(groups.len(), |last| groups.partition_point(|(_, group, _)| group.steps <= last));
+    groups.truncate(near.min(2 * limit));
+    for (_, group, behind) in &mut groups {
+        *behind = count_behind(graph, &group.entered);
+    }
+    groups.sort_by_key(|(_, group, behind)| (group.steps, u64::MAX - behind));
+    groups.truncate(limit);
+    let ways = groups.iter().filter_map(|(key, group, behind)| {
+        let mut way = way_in(problem, (graph, controls), group.shortest, &places)?;
+        (way.place, way.behind) = (places.words(key), *behind);
+        Some(way)
+    });
+    (ways.collect(), all)
+}
+
+/// The steps from states that arrive to states that are stuck, by the place that they lead to.
+fn groups(graph: &StateGraph, fates: &[Fate], places: &Places<'_>) -> BTreeMap<Vec<PlayerPlace>, Group> {
+    let mut groups: BTreeMap<Vec<PlayerPlace>, Group> = BTreeMap::new();
+    let arriving = (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Arrives);
+    for (from, _) in arriving {
+        let steps = graph.tree.depth(NodeId(from)) + 1;
+        for &to in graph.successors(from) {
+            if fates[to as usize] != Fate::Stuck {
+                continue;
+            }
+            let key = places.players(graph.tree.state(NodeId(to)));
+            let group = groups.entry(key).or_insert_with(|| Group { shortest: (from, to), steps, entered: Vec::new() });
+            if steps < group.steps {
+                (group.shortest, group.steps) = ((from, to), steps);
+            }
+            group.entered.push(to);
+        }
+    }
+    groups
+}
+
+/// The number of states that can be reached from some stuck ones, these included: all are stuck or doomed.
+fn count_behind(graph: &StateGraph, entered: &[u32]) -> u64 {
+    let mut seen = vec![false; graph.len()];
+    let mut open: Vec<u32> = Vec::new();
+    let mut count = 0;
+    let mut visit = |state: u32, open: &mut Vec<u32>| {
+        if !std::mem::replace(&mut seen[state as usize], true) {
+            count += 1;
+            open.push(state);
+        }
+    };
+    entered.iter().for_each(|state| visit(*state, &mut open));
+    while let Some(state) = open.pop() {
+        graph.successors(state).iter().for_each(|next| visit(*next, &mut open));
+    }
+    count
+}
+
+/// A way in, replayed from the initial state; `None` if the replay does not confirm it.
+fn way_in(
+    problem: &Problem<'_>,
+    (graph, controls): (&StateGraph, &ControlSets),
+    (from, to): (u32, u32),
+    places: &Places<'_>,
+) -> Option<WayIn> {
+    let sim = problem.sim;
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).ok()?;
+    for input in script_to(graph, controls, from, None).inputs() {
+        sim.step(&mut state, input, &mut scratch).ok()?;
+    }
+    let target = graph.tree.state(NodeId(to));
+    let set = graph.tree.set(NodeId(from));
+    let leads_there = |index: &usize| {
+        let mut next = state.clone();
+        sim.step(&mut next, &input_of(controls, set, *index), &mut scratch).is_ok() && *next == *target
+    };
+    let index = (0..controls.count(set)).find(leads_there);
+    debug_assert!(index.is_some(), "a way in must replay");
+    let index = index?;
+    let last = input_of(controls, set, index);
+    let script = script_to(graph, controls, from, Some(index));
+    Some(WayIn { place: String::new(), changes: changes(problem, &state, &last, places), script, last, behind: 0 })
+}
+
+/// What an input changes: the differences to what would be without it, once nothing moves any more. What moves anyway does
+/// not count.
+fn changes(problem: &Problem<'_>, from: &[u8], input: &Input, places: &Places<'_>) -> Vec<String> {
+    let sim = problem.sim;
+    let mut scratch = sim.scratch();
+    let nothing = Input::nothing(sim.world().players.len());
+    let (mut with, mut without) = (from.to_vec(), from.to_vec());
+    for step in 0..SETTLING {
+        let first = if step == 0 { input } else { &nothing };
+        let before = (with.clone(), without.clone());
+        let mut go = |state: &mut Vec<u8>, input: &Input| {
+            // A run that is over goes no further.
+            let is_over = !problem.judge(state).is_ok_and(|status| !status.is_over(problem.target));
+            let input = sim.draw(0, step, input);
+            is_over || sim.step(state, &input, &mut scratch).is_ok()
+        };
+        if !go(&mut with, first) || !go(&mut without, &nothing) {
+            return Vec::new();
+        }
+        if step > 0 && before == (with.clone(), without.clone()) {
+            break;
+        }
+    }
+    places.differences(&without, &with, &places.others())
+}

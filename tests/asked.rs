@@ -159,6 +159,7 @@ fn names_come_first_and_mistakes_have_their_places() {
         &["reach", "game.hyped", "--set", "Hero.jump_speed=200..300/1", "--set", "width=1..200/1"],
         &["reach", "game.hyped", "--set", "width=3..5/1", "--map", "a", "b"],
         &["reach", "game.hyped", "--explore", "--goal", "up"],
+        &["reach", "game.hyped", "--set", "width=8", "--html", "page.html"],
     ] {
         let (code, shown, error) = folder.run(question);
         assert_eq!((code, shown.as_str()), (2, ""), "{question:?}");

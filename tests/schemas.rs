@@ -122,6 +122,25 @@ fn results_are_as_their_schema_says() {
 }
 
 #[test]
+fn other_answers_of_reach_are_as_their_schemas_say() {
+    let explored = ["examples/link.hyped --nodes 200", "examples/mario.hyped --nodes 100 --set Mario.gravity=-900"];
+    let all = explored.map(|q| written(&format!("reach --explore --format json {q}")));
+    validate("exploration", &all);
+    let sweeps = [
+        "examples/balloon.hyped --nodes 100 --set Balloon.lift=20..60/20",
+        "examples/balloon.hyped --nodes 100 --set Balloon.lift=20..60/20 --set Balloon.sink=-80..-40/40 --never balloon.x<-9",
+    ];
+    validate("sweep", &sweeps.map(|q| written(&format!("reach --format json {q}"))));
+}
+
+#[test]
+fn reasons_are_as_their_schema_says() {
+    let of = "why --format json examples/link.hyped --inputs-file examples/inputs/link.inputs";
+    let asked = ["--at 0", "--at 300", "--instance guard --at 20", "--mode dead --not", "--edge 33 --not"];
+    validate("why", &asked.map(|q| written(&format!("{of} {q}"))));
+}
+
+#[test]
 fn rows_are_as_their_schema_says() {
     let (rows, again) = (temporary("rows.jsonl"), temporary("again.jsonl"));
     let broken = temporary("broken.txt");

@@ -5,6 +5,7 @@
 mod support;
 
 mod around;
+mod asked;
 mod border;
 mod chance;
 mod cli;
@@ -17,3 +18,4 @@ mod reach;
 mod report_pages;
 mod stop;
 mod verdicts;
+mod why;

@@ -80,6 +80,15 @@ pub(super) fn load_changed(path: &Path, level: LevelFile<'_>, changes: &Changes<
     Ok(program.map(|program| Loaded { sources, program }))
 }
 
+/// As [`load_changed`], for a program that was loaded before with other changes: warnings are not counted again.
+pub(super) fn load_again(path: &Path, level: LevelFile<'_>, changes: &Changes<'_>) -> io::Result<Option<Loaded>> {
+    let Compilation { sources, program, diagnostics } = compile_changed(path, level, changes, &Disk);
+    if program.is_none() {
+        show(&sources, &diagnostics)?;
+    }
+    Ok(program.map(|program| Loaded { sources, program }))
+}
+
 /// Reads a program written by `hypedc ir --format json`; shows findings, and returns `None` if it cannot be run.
 fn load_compiled(path: &Path, level: LevelFile<'_>, changes: &Changes<'_>) -> io::Result<Option<Loaded>> {
     let mut sources = SourceMap::new();

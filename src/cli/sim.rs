@@ -179,13 +179,16 @@ fn written(args: &SimArgs, file: &Path, questions: &[ExtraQuestion<'_>]) -> Opti
     compile_changed(file, args.level.file(), &changes, &Disk).program
 }
 
+/// A trace that is written to a file or to standard output.
+type Trace<'s> = TraceWriter<'s, BufWriter<Box<dyn Write>>>;
+
 /// Opens the file of a trace; reports why it cannot be written.
 fn trace_writer<'s>(
     args: &SimArgs,
     path: &Path,
     sim: &'s Simulator,
     header: &TraceHeader,
-) -> io::Result<Option<TraceWriter<'s, BufWriter<Box<dyn Write>>>>> {
+) -> io::Result<Option<Trace<'s>>> {
     let to: Box<dyn Write> = match path.as_os_str() == "-" {
         true => Box::new(io::stdout()),
         false => match File::create(path) {

@@ -11,7 +11,7 @@ use crate::tabular::{Cell, Column, Table};
 
 use super::Exit;
 use super::args::SimArgs;
-use super::report::{Loaded, choose_world, load_changed, plain_error};
+use super::report::{Loaded, choose_world, load_again, load_changed, plain_error};
 use super::sim::{RunEnd, drive, questions, script};
 use super::sweep::Sweep;
 use super::watches::Interrupt;
@@ -37,7 +37,8 @@ pub(super) fn run(args: &SimArgs, file: &Path, sweep: &Sweep<'_>) -> io::Result<
         let numbers = [args.numbers.fixed(), sweep.numbers(point)].concat();
         let questions = questions(args);
         let changes = Changes { questions: &questions, numbers: &numbers, ..Changes::default() };
-        let Some(mut loaded) = load_changed(file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
+        let load = if point == 0 { load_changed } else { load_again };
+        let Some(mut loaded) = load(file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
         let Some(world) = choose_world(&loaded, file, args.world.as_deref())? else { return Ok(Exit::Refused) };
         let Some(script) = script(args, &mut loaded, world)? else { return Ok(Exit::Refused) };
         let row = row(args, &loaded, world, &script)?;

@@ -48,7 +48,7 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
-    /// Explains a step of a run: which edge was taken, which part of a guard failed, since when.
+    /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
     /// Finds where a player gets stuck: places that can be reached from which a goal cannot be.
     Stuck(StuckArgs),

@@ -12,7 +12,7 @@ use crate::tabular::{Column, Table};
 use super::{bounds_of, goals};
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
-use crate::cli::report::{choose_world, load_changed, plain_error};
+use crate::cli::report::{choose_world, load_again, load_changed, plain_error};
 use crate::cli::sweep::Sweep;
 
 pub(super) fn run(args: &BoundsArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
@@ -25,7 +25,8 @@ pub(super) fn run(args: &BoundsArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
     for point in 0..sweep.points() {
         let numbers = [args.numbers.fixed(), sweep.numbers(point)].concat();
         let changes = Changes { numbers: &numbers, ..Changes::default() };
-        let Some(loaded) = load_changed(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
+        let load = if point == 0 { load_changed } else { load_again };
+        let Some(loaded) = load(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
         let Some(id) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
         let world = &loaded.program.worlds[id];
         let space = bounds_of(&loaded.program, id);

@@ -40,6 +40,8 @@ impl Clock for ThreadClock {
 /// A program, with its name in results.
 struct Source {
     name: String,
+    /// The numbers that were set, after a comma each.
+    set: String,
     paper: Option<Test>,
     loaded: Loaded,
 }
@@ -72,7 +74,7 @@ fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         };
         let loaded = Loaded { sources: files, program };
-        sources.push(Source { name: paper.name().to_string(), paper: Some(paper), loaded });
+        sources.push(Source { name: paper.name().to_string(), set: String::new(), paper: Some(paper), loaded });
     }
     let is_selected = |source: &Source, goal: &str| source.paper != Some(Test::Two) || goal == args.goal.name();
     experiment(&sources, &is_selected, &PLANNERS, &args.options)
@@ -93,7 +95,8 @@ fn run_files(args: &FilesArgs) -> io::Result<Exit> {
         if !has_maps(&loaded, loaded.program.worlds.iter())? {
             return Ok(Exit::Refused);
         }
-        sources.push(Source { name: file.display().to_string(), paper: None, loaded });
+        let set = args.numbers.texts().iter().map(|set| format!(", {set}")).collect();
+        sources.push(Source { name: file.display().to_string(), set, paper: None, loaded });
     }
     let worlds = sources.iter().flat_map(|s| s.loaded.program.worlds.iter());
     let goals: Vec<&str> = worlds.flat_map(|w| w.goals.iter().map(|g| g.name.as_str())).collect();
@@ -219,7 +222,7 @@ fn questions<'a>(analysed: &'a [Analysed<'a>], is_selected: &dyn Fn(&Source, &st
             questions.push(Question {
                 test: match source.paper {
                     Some(_) => source.name.clone(),
-                    None => format!("{}:{}", source.name, sim.world().name),
+                    None => format!("{}:{}{}", source.name, sim.world().name, source.set),
                 },
                 paper: source.paper,
                 sim,

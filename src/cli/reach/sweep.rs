@@ -116,9 +116,13 @@ pub(super) fn run(args: &ReachArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
         plain_error("a sweep is about one level: give one with `--map`")?;
         return Ok(Exit::Refused);
     }
-    // A bad question is bad for all values, so it is reported before any of them.
-    let first = ReachChanges::new(args).setting(&sweep.numbers(0));
+    // A bad question is bad for all values, so it is reported before any of them. A bad value is a row of its own, if
+    // another one is good.
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
+    let set = |point: usize| ReachChanges::new(args).setting(&sweep.numbers(point));
+    let compiles = |point: &usize| compile_changed(&args.file, level, &set(*point).changes(), &Disk).program.is_some();
+    let last = sweep.points().saturating_sub(1);
+    let first = set([0, last, last / 2].into_iter().find(compiles).unwrap_or(0));
     let Some(mut loaded) = load_changed(&args.file, level, &first.changes())? else { return Ok(Exit::Refused) };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
     let query = match query(args, &mut loaded, world) {

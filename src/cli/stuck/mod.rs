@@ -157,8 +157,8 @@ fn find(
     watch: &dyn Watch,
 ) -> Result<Drawn, Fault> {
     let problem = Problem::new(sim, goal);
-    let limits = Limits { nodes: args.nodes, memory: args.memory << 20 };
-    let gap = match find_stuck(&problem, &limits, MAX_WAYS, watch)? {
+    let [all, limits] = [args.states, args.nodes].map(|nodes| Limits { nodes, memory: args.memory << 20 });
+    let gap = match find_stuck(&problem, &all, MAX_WAYS, watch)? {
         Ok(exact) => return Ok(add_exact(result, exact, sim)),
         Err(gap) => gap,
     };
@@ -166,7 +166,7 @@ fn find(
         // The fault is shown, and the search goes on around it.
         let _ = show_fact(&loaded.sources, fault.fact(&loaded.program, sim.world_id(), step));
     }
-    result.not_all_states = Some(gap_words(gap, &limits, sim.world()));
+    result.not_all_states = Some(gap_words(gap, &all, sim.world()));
     if watch.stop() {
         result.unknown = Some(unknown_words(Unknown::Stopped));
         return Ok(Drawn::default());
@@ -227,7 +227,7 @@ fn gap_words(gap: Gap, limits: &Limits, world: &World) -> String {
             format!("a player can leave all that there is in `{space}`; `bounds` end a run there")
         }
         Gap::Fault(..) => "the program has a run-time error".to_string(),
-        Gap::Nodes => format!("there are more than {}; `--nodes N` gives more", limits.nodes),
+        Gap::Nodes => format!("there are more than {}; `--states N` gives more", limits.nodes),
         Gap::Memory => "the memory is full; `--memory MIB` gives more".to_string(),
         Gap::Stopped => "the search was stopped".to_string(),
     }

@@ -16,4 +16,5 @@ mod questions;
 mod reach;
 mod report_pages;
 mod stop;
+mod stuck;
 mod verdicts;

@@ -17,5 +17,6 @@ mod questions;
 mod reach;
 mod report_pages;
 mod stop;
+mod stuck;
 mod verdicts;
 mod why;

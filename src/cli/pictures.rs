@@ -112,6 +112,7 @@ pub(super) fn run_svg(
         is_good: outcome.is_good,
         goals: &goals,
         nodes: &[],
+        traps: &[],
         run,
         notes: &notes,
         images,

@@ -98,6 +98,9 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
         entries.push((Sign::Heat, "where the player was: seldom to often".into()));
         entries.push((Sign::Line("tree key"), "moves tried".into()));
     }
+    if !context.picture.traps.is_empty() {
+        entries.push((Sign::Box("trap".into()), "players are stuck here".into()));
+    }
     let areas: Vec<&str> =
         context.goals.iter().filter(|goal| !goal.areas.is_empty()).map(|goal| goal.name.as_str()).collect();
     if !areas.is_empty() {

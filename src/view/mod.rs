@@ -8,7 +8,7 @@
 //! | `panel` | one space or a part of it, layer by layer |
 //! | `frame`, `extent` | the transformation to the picture; the visible part of a space |
 //! | `appearance` | the colours of kinds of tiles |
-//! | `tiles`, `heat`, `tree`, `route`, `trail`, `goal`, `body` | the layers |
+//! | `tiles`, `heat`, `tree`, `route`, `trail`, `trap`, `goal`, `body` | the layers |
 //! | `look` | the colours and pictures that a program gives to things |
 //! | `cells` | where a search was, as plain data |
 //! | `verdict_map` | verdicts over the values of a program's numbers |
@@ -37,6 +37,7 @@ mod svg;
 mod tiles;
 mod track;
 mod trail;
+mod trap;
 mod tree;
 mod verdict_map;
 

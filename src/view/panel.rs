@@ -13,7 +13,7 @@ use super::picture::{Node, Picture};
 use super::route::{self, Route, crosses, jumps};
 use super::svg::{Number, escaped, line_data, put};
 use super::track::Track;
-use super::{look, tiles, trail, tree};
+use super::{look, tiles, trail, trap, tree};
 
 /// Maximum number of lines of the tree and of rectangles of the heat map in the whole picture.
 const MAX_LINES: usize = 16_000;
@@ -22,6 +22,9 @@ const MAX_HEAT: usize = 6_000;
 const CELLS: f64 = 4.0;
 /// Maximum side of such a cell in the picture; its side if there are no tiles.
 const CELL: f64 = 10.0;
+
+/// Side of the cells of stuck places in a space without tiles, px of the game.
+const TRAP: f64 = 16.0;
 
 /// The classes of the players.
 pub(super) const HEROES: [&str; 4] = ["hero", "hero p2", "hero p3", "hero p4"];
@@ -82,6 +85,9 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
             }
         }
     }
+    let traps = context.picture.traps.iter().filter(|node| node.space == id);
+    let cell = space.map.as_ref().map_or((TRAP, TRAP), |map| map.tile);
+    trap::draw(out, frame, traps.map(|node| place(context, node)), cell);
     if visits.count > 0 {
         tree::draw(out, frame, moves(context, id), MAX_LINES / context.visited);
     }

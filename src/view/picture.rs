@@ -16,6 +16,7 @@ use super::style::STYLE;
 use super::svg::{BOLD, Number, escaped, put, shortened, text_width, wrapped};
 use super::track::{Run, Track};
 use super::trail::is_way;
+use super::trap;
 
 /// The drawn data of a node of a search tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +42,8 @@ pub struct Picture<'a> {
     pub goals: &'a [GoalId],
     /// The nodes of all trees of a search.
     pub nodes: &'a [Node],
+    /// Where players are stuck.
+    pub traps: &'a [Node],
     /// The run: the path that a search has found, or what was simulated. Without tracks there is none.
     pub run: &'a Run,
     /// Lines under the title.
@@ -135,11 +138,12 @@ pub fn picture_svg(program: &Program, id: WorldId, picture: &Picture<'_>) -> Str
     y += legend::draw(&mut out, &context, width) + MARGIN * 0.6;
     out.push_str("</g>\n");
 
+    let traps = if picture.traps.is_empty() { "" } else { trap::STYLE };
     let (width, height) = (Number((width + 2.0 * MARGIN).ceil()), Number(y.ceil()));
     let name = format!("{}, {}: {}", world.name, picture.title, picture.result);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}</style>\n\
+         viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}{traps}</style>\n\
          <rect class=\"paper\" width=\"{width}\" height=\"{height}\"/>\n{out}</svg>\n",
         escaped(&name)
     )

@@ -334,6 +334,7 @@ fn picture(result: &Exploration, session: &Session, outcome: &Outcome, images: &
         is_good: true,
         goals: &[],
         nodes: &nodes,
+        traps: &[],
         run: &Run::default(),
         notes: &notes,
         images,

@@ -165,6 +165,7 @@ pub(super) fn picture(
         is_good: answer.is_expected,
         goals: &goals,
         nodes: &nodes,
+        traps: &[],
         run: &run,
         notes: &notes,
         images,
@@ -173,7 +174,7 @@ pub(super) fn picture(
 }
 
 /// The run of a script, until the watch stops it.
-fn recorded(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &dyn Watch) -> Run {
+pub(in crate::cli) fn recorded(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &dyn Watch) -> Run {
     let (mut recorder, mut last) = (Recorder::new(sim), Vec::new());
     // A path ends in its last step, also out of bounds; nothing is written here that could fail.
     let _ = drive(sim, (script, chance), script.len(), watch, &mut |step, input, state, _| {

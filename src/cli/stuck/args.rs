@@ -28,7 +28,10 @@ pub(in crate::cli) struct StuckArgs {
     /// The goal, or a predicate such as `hero.x > 300` [default: the only goal of the world].
     #[arg(long, value_name = "NAME|PREDICATE")]
     pub goal: Option<String>,
-    /// Maximum number of states that are visited to prove, and of nodes of the search for candidates.
+    /// Maximum number of states: where there are more, nothing is proven, and places are looked for that may be stuck.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    pub states: u64,
+    /// Maximum number of nodes of that search, and again of the searches from the places that it finds.
     #[arg(long, value_name = "N", default_value_t = 400_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub nodes: u64,
     /// Maximum time, s.

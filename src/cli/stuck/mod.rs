@@ -2,6 +2,7 @@
 //! candidates; [`crate::reach::stuck`] finds them, this part asks, shows and draws.
 
 pub(in crate::cli) mod args;
+mod picture;
 mod result;
 mod text;
 
@@ -10,20 +11,24 @@ pub(in crate::cli) use result::json_schema;
 
 use std::io::{self, Write};
 
+use crate::analysis::watched_space;
 use crate::compile::{Asked, Changes, ExtraQuestion, question_name};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
-use crate::ir::{GoalId, World, WorldId};
+use crate::ir::{ExprId, GoalId, World, WorldId};
 use crate::json::{self, Layout};
-use crate::reach::stuck::{ExactAnswer, Gap, find_stuck};
+use crate::reach::stuck::{CandidateAnswer, CandidateLimits, ExactAnswer, Gap, Unknown, find_candidates, find_stuck};
 use crate::reach::{Limits, Problem};
-use crate::sim::Simulator;
+use crate::sim::{Fault, Simulator};
+use crate::watch::Watch;
 
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
+use crate::cli::pictures::images;
 use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, program_sha256, show_fact};
-use crate::cli::watches::CommandWatch;
+use crate::cli::watches::{CommandWatch, Interrupt};
 use args::StuckArgs;
+use picture::Drawn;
 use result::{RESULT_VERSION, StuckResult, StuckVerdict, WayResult};
 use text::result_text;
 
@@ -82,14 +87,48 @@ fn goal(world: &World, text: Option<&str>) -> Result<GoalId, NoQuestion> {
     }
 }
 
+/// Asks, and shows the answer.
 fn answer(args: &StuckArgs, loaded: &Loaded, world: WorldId, goal: GoalId) -> io::Result<Exit> {
     let sim = Simulator::new(&loaded.program, world);
-    let problem = Problem::new(&sim, goal);
-    let limits = Limits { nodes: args.nodes, memory: args.memory << 20 };
-    let watch = CommandWatch::new("states", args.seconds);
-    let exact = find_stuck(&problem, &limits, MAX_WAYS, &watch);
+    let images = match args.svg.as_ref().map(|_| images(&loaded.program, &args.file)).transpose() {
+        Ok(images) => images.unwrap_or_default(),
+        Err(why) => {
+            plain_error(&why)?;
+            return Ok(Exit::Refused);
+        }
+    };
+    let watch = CommandWatch::new("stuck", args.seconds);
+    let mut result = empty(args, loaded, &sim, goal);
+    let drawn = find(args, loaded, (&sim, goal), &mut result, &watch);
     watch.finish();
-    let mut result = StuckResult {
+    result.seconds = watch.seconds();
+    let drawn = match drawn {
+        Ok(drawn) => drawn,
+        Err(fault) => {
+            show_fact(&loaded.sources, fault.fact(&loaded.program, world, 0))?;
+            return Ok(Exit::Refused);
+        }
+    };
+    if let Some(path) = &args.svg
+        && let Err(error) = picture::save(path, (&sim, goal), &result, &drawn, &images, &Interrupt::new())
+    {
+        plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+        return Ok(Exit::Refused);
+    }
+    match args.format {
+        ResultFormat::Human => write!(io::stdout(), "{}", result_text(&result, args.svg.as_deref()))?,
+        ResultFormat::Json => {
+            let mut out = io::stdout().lock();
+            json::write(&result, Layout::Indented, &mut out)?;
+            writeln!(out)?;
+        }
+    }
+    Ok(if result.verdict == StuckVerdict::None { Exit::Yes } else { Exit::No })
+}
+
+/// The record before anything is known.
+fn empty(args: &StuckArgs, loaded: &Loaded, sim: &Simulator, goal: GoalId) -> StuckResult {
+    StuckResult {
         version: RESULT_VERSION,
         file: args.file.display().to_string(),
         program_sha256: program_sha256(&loaded.program),
@@ -102,36 +141,48 @@ fn answer(args: &StuckArgs, loaded: &Loaded, world: WorldId, goal: GoalId) -> io
         not_all_states: None,
         unknown: None,
         rest_places: None,
+        open_places: 0,
         places: 0,
         ways: Vec::new(),
         seconds: 0.0,
-    };
-    match exact {
-        Err(fault) => {
-            show_fact(&loaded.sources, fault.fact(&loaded.program, world, 0))?;
-            return Ok(Exit::Refused);
-        }
-        Ok(Ok(exact)) => add_exact(&mut result, &exact, &sim),
-        Ok(Err(gap)) => {
-            if let Gap::Fault(fault, step) = gap {
-                show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
-            }
-            result.not_all_states = Some(gap_words(gap, &limits, sim.world()));
-        }
     }
-    result.seconds = watch.seconds();
-    match args.format {
-        ResultFormat::Human => write!(io::stdout(), "{}", result_text(&result, None))?,
-        ResultFormat::Json => {
-            let mut out = io::stdout().lock();
-            json::write(&result, Layout::Indented, &mut out)?;
-            writeln!(out)?;
-        }
-    }
-    Ok(if result.verdict == StuckVerdict::None { Exit::Yes } else { Exit::No })
 }
 
-fn add_exact(result: &mut StuckResult, exact: &ExactAnswer, sim: &Simulator) {
+/// Visits all states; if that cannot be done, searches for candidates.
+fn find(
+    args: &StuckArgs,
+    loaded: &Loaded,
+    (sim, goal): (&Simulator, GoalId),
+    result: &mut StuckResult,
+    watch: &dyn Watch,
+) -> Result<Drawn, Fault> {
+    let problem = Problem::new(sim, goal);
+    let [all, limits] = [args.states, args.nodes].map(|nodes| Limits { nodes, memory: args.memory << 20 });
+    let gap = match find_stuck(&problem, &all, MAX_WAYS, watch)? {
+        Ok(exact) => return Ok(add_exact(result, exact, sim)),
+        Err(gap) => gap,
+    };
+    if let Gap::Fault(fault, step) = gap {
+        // The fault is shown, and the search goes on around it.
+        let _ = show_fact(&loaded.sources, fault.fact(&loaded.program, sim.world_id(), step));
+    }
+    result.not_all_states = Some(gap_words(gap, &all, sim.world()));
+    if watch.stop() {
+        result.unknown = Some(unknown_words(Unknown::Stopped));
+        return Ok(Drawn::default());
+    }
+    let nevers: Vec<ExprId> = sim.world().nevers.iter().map(|never| never.holds).collect();
+    let space = watched_space(sim.program(), sim.world_id(), &nevers, watch);
+    match find_candidates(&problem, &space, &CandidateLimits { limits, seed: args.seed }, watch)? {
+        Ok(answer) => Ok(add_candidates(result, answer, sim)),
+        Err(unknown) => {
+            result.unknown = Some(unknown_words(unknown));
+            Ok(Drawn::default())
+        }
+    }
+}
+
+fn add_exact(result: &mut StuckResult, exact: ExactAnswer, sim: &Simulator) -> Drawn {
     result.verdict = match exact.counts.stuck {
         _ if !exact.starts_well => StuckVerdict::Unreachable,
         0 => StuckVerdict::None,
@@ -140,7 +191,30 @@ fn add_exact(result: &mut StuckResult, exact: &ExactAnswer, sim: &Simulator) {
     result.reads_between = exact.reads_between;
     result.states = Some(exact.counts.into());
     result.places = exact.places as u64;
-    result.ways = exact.ways.iter().map(|way| WayResult::proven(way, sim.program(), sim.world_id())).collect();
+    let record = |way| WayResult::exact(way, !exact.reads_between, sim.program(), sim.world_id());
+    result.ways = exact.ways.iter().map(record).collect();
+    Drawn { spots: exact.spots, scripts: exact.ways.into_iter().map(|way| way.script).collect() }
+}
+
+fn add_candidates(result: &mut StuckResult, answer: CandidateAnswer, sim: &Simulator) -> Drawn {
+    result.verdict = if answer.candidates.is_empty() { StuckVerdict::NoneFound } else { StuckVerdict::Candidates };
+    (result.rest_places, result.open_places) = (Some(answer.rest_places), answer.open_places);
+    result.places = answer.candidates.len() as u64;
+    let shown = || answer.candidates.iter().take(MAX_WAYS);
+    result.ways = shown().map(|way| WayResult::candidate(way, sim.program(), sim.world_id())).collect();
+    let scripts = shown().map(|way| way.script.clone()).collect();
+    Drawn { spots: answer.spots, scripts }
+}
+
+/// Why nothing can be said, and what helps.
+fn unknown_words(unknown: Unknown) -> String {
+    match unknown {
+        Unknown::NotFound => "no way to the goal was found from the start; `hypedc reach` tells more",
+        Unknown::Unreachable => "the goal cannot be reached from the start; `hypedc reach` tells why",
+        Unknown::NoRest => "players never rest in this world, so that there are no places to search from",
+        Unknown::Stopped => "the search was stopped",
+    }
+    .to_string()
 }
 
 /// Why not all states were visited, and what helps.
@@ -153,7 +227,7 @@ fn gap_words(gap: Gap, limits: &Limits, world: &World) -> String {
             format!("a player can leave all that there is in `{space}`; `bounds` end a run there")
         }
         Gap::Fault(..) => "the program has a run-time error".to_string(),
-        Gap::Nodes => format!("there are more than {}; `--nodes N` gives more", limits.nodes),
+        Gap::Nodes => format!("there are more than {}; `--states N` gives more", limits.nodes),
         Gap::Memory => "the memory is full; `--memory MIB` gives more".to_string(),
         Gap::Stopped => "the search was stopped".to_string(),
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::ir::{Program, WorldId};
-use crate::reach::stuck::{StateCounts, WayIn};
+use crate::reach::stuck::{Candidate, StateCounts, WayIn};
 use crate::sim::Script;
 
 /// The version of the JSON result.
@@ -56,6 +56,8 @@ pub(super) struct StuckResult {
     pub unknown: Option<String>,
     /// Places at which players rest that were found, where not all states were visited.
     pub rest_places: Option<u64>,
+    /// Of those, the ones of which nothing is known as the budget was spent.
+    pub open_places: u64,
     /// The number of stuck places, or of candidates: there can be more than `ways`.
     pub places: u64,
     /// The ways into them.
@@ -102,8 +104,10 @@ pub(super) struct WayResult {
     pub steps: u64,
     /// The duration in the world, s.
     pub seconds_of_play: f64,
-    /// The input of the last step.
-    pub last_input: String,
+    /// The input of the last step, with which the goal is lost; null for a candidate.
+    pub last_input: Option<String>,
+    /// Of a candidate: where the players were at rest before.
+    pub from: Option<String>,
     /// What differs soon after from what would be without the last input.
     pub changes: Vec<String>,
     /// The stuck states, or the places of the candidate, that are behind.
@@ -113,20 +117,38 @@ pub(super) struct WayResult {
 }
 
 impl WayResult {
-    /// The record of a proven way.
-    pub fn proven(way: &WayIn, program: &Program, world: WorldId) -> Self {
+    /// The record of a way of a world of which all states were visited.
+    pub fn exact(way: &WayIn, proven: bool, program: &Program, world: WorldId) -> Self {
         let mut last = Script::default();
         last.push(&way.last, 1);
         let steps = way.script.len();
         WayResult {
             place: way.place.clone(),
-            proven: true,
+            proven,
             nodes: None,
             steps,
             seconds_of_play: steps as f64 * program.worlds[world].step.seconds(),
-            last_input: last.text(program, world),
+            last_input: Some(last.text(program, world)),
+            from: None,
             changes: way.changes.clone(),
             behind: way.behind,
+            inputs: way.script.text(program, world),
+        }
+    }
+
+    /// The record of a candidate.
+    pub fn candidate(way: &Candidate, program: &Program, world: WorldId) -> Self {
+        let steps = way.script.len();
+        WayResult {
+            place: way.place.clone(),
+            proven: way.is_proven,
+            nodes: Some(way.nodes),
+            steps,
+            seconds_of_play: steps as f64 * program.worlds[world].step.seconds(),
+            last_input: None,
+            from: Some(way.from.clone()),
+            changes: way.changes.clone(),
+            behind: way.places,
             inputs: way.script.text(program, world),
         }
     }

@@ -1,10 +1,12 @@
 //! The result of `hypedc stuck` as text for people.
 
+use std::path::Path;
+
 use super::result::{StatesResult, StuckResult, StuckVerdict, WayResult};
 use crate::cli::reach::counted;
 
 /// Maximum number of ways that the text shows.
-pub(super) const MAX_SHOWN: usize = 8;
+const MAX_SHOWN: usize = 8;
 /// Maximum number of changes that a way shows.
 const MAX_CHANGES: usize = 4;
 
@@ -26,54 +28,60 @@ fn number_of(count: u64, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{} {what}s", grouped(count)) }
 }
 
-/// The line of the verdict.
-fn verdict(result: &StuckResult) -> String {
-    let proven = match (&result.states, result.reads_between) {
-        (Some(states), false) => format!("proven: all {} were tried", number_of(states.all, "state")),
-        (Some(states), true) => format!("all {} were tried with axes at -1, 0 and 1", number_of(states.all, "state")),
-        (None, _) => String::new(),
-    };
-    match result.verdict {
-        StuckVerdict::None => format!("nobody gets stuck ({proven})"),
-        StuckVerdict::Stuck => format!("players can get stuck ({proven})"),
-        StuckVerdict::Unreachable => format!("cannot be reached at all ({proven})"),
-        StuckVerdict::Candidates => match result.places {
-            1 => "1 place where players may get stuck, not proven".to_string(),
-            places => format!("{places} places where players may get stuck, not proven"),
-        },
-        StuckVerdict::NoneFound => "no place was found where players get stuck, not proven".to_string(),
-        StuckVerdict::Unknown => "nothing can be said".to_string(),
+/// The verdict in a few words.
+pub(super) fn verdict(verdict: StuckVerdict) -> &'static str {
+    match verdict {
+        StuckVerdict::None => "nobody gets stuck",
+        StuckVerdict::Stuck => "players can get stuck",
+        StuckVerdict::Candidates => "players may get stuck",
+        StuckVerdict::NoneFound => "no stuck places found",
+        StuckVerdict::Unreachable => "cannot be reached",
+        StuckVerdict::Unknown => "nothing can be said",
+    }
+}
+
+/// What the verdict rests on.
+pub(super) fn summary(result: &StuckResult) -> String {
+    match (&result.states, result.verdict) {
+        (Some(states), _) if !result.reads_between => {
+            format!("proven: all {} were tried", number_of(states.all, "state"))
+        }
+        (Some(states), _) => {
+            format!("all {} were tried with axes at -1, 0 and 1; not proven", number_of(states.all, "state"))
+        }
+        (None, StuckVerdict::Candidates) => format!("not proven, {} to look at", number_of(result.places, "place")),
+        (None, StuckVerdict::NoneFound) => "not proven".to_string(),
+        (None, _) => "not all states were visited".to_string(),
     }
 }
 
 /// How many states there are of each fate.
 fn states(states: &StatesResult) -> String {
-    let mut out =
-        format!("    states  the goal can be reached from {} of {}", grouped(states.arriving), grouped(states.all));
+    let mut parts = vec![format!("goal can be reached from {} of {}", grouped(states.arriving), grouped(states.all))];
     if states.stuck > 0 {
-        out.push_str(&format!("; {} stuck", is_or_are(states.stuck)));
+        let mut stuck = format!("{} {} stuck", grouped(states.stuck), if states.stuck == 1 { "is" } else { "are" });
         if states.dead_ends > 0 {
-            out.push_str(&format!(", in {} of them no input changes anything", grouped(states.dead_ends)));
+            stuck.push_str(&format!(" (in {} of them no input changes anything)", grouped(states.dead_ends)));
         }
+        parts.push(stuck);
     }
     if states.doomed > 0 {
-        out.push_str(&format!("; from {} all inputs end the run", grouped(states.doomed)));
+        parts.push(format!("from {} all inputs end the run", grouped(states.doomed)));
     }
-    out.push('\n');
-    out
-}
-
-fn is_or_are(count: u64) -> String {
-    format!("{} {}", grouped(count), if count == 1 { "is" } else { "are" })
+    format!("    states  {}\n", parts.join("; "))
 }
 
 /// One way in.
 fn way(way: &WayResult) -> String {
-    let pressed =
-        if way.last_input == "-" { "pressing nothing".into() } else { format!("pressing {}", way.last_input) };
-    let mut out = match (way.proven, way.steps) {
-        (true, _) => format!("    stuck   from step {} on, {pressed}: {}\n", way.steps, way.place),
-        (false, _) => format!("    stuck?  after {}: {}\n", counted(way.steps, "step"), way.place),
+    let mut out = match (&way.from, way.last_input.as_deref()) {
+        (None, input) => {
+            let input = input.filter(|input| *input != "-").unwrap_or("nothing");
+            format!("    stuck   by pressing {input} at step {}, at {}\n", way.steps, way.place)
+        }
+        (Some(from), _) => {
+            let (word, steps) = (if way.proven { "stuck  " } else { "stuck? " }, counted(way.steps, "step"));
+            format!("    {word} at {}, after {steps}\n            coming from {from}\n", way.place)
+        }
     };
     if !way.changes.is_empty() {
         let shown: Vec<&str> = way.changes.iter().take(MAX_CHANGES).map(String::as_str).collect();
@@ -81,9 +89,12 @@ fn way(way: &WayResult) -> String {
         let rest = if rest > 0 { format!(", and {rest} more") } else { String::new() };
         out.push_str(&format!("            then {}{rest}\n", shown.join(", ")));
     }
-    out.push_str(&match way.nodes {
-        None => format!("            {} behind it\n", number_of(way.behind, "stuck state")),
-        Some(nodes) => {
+    out.push_str(&match (way.nodes, way.proven) {
+        (None, _) => format!("            {} behind it\n", number_of(way.behind, "stuck state")),
+        (Some(_), true) => {
+            format!("            proven: no inputs lead from here to the goal; {}\n", number_of(way.behind, "place"))
+        }
+        (Some(nodes), false) => {
             let searched = number_of(nodes, "node");
             format!("            no way found from here in {searched}; {}\n", number_of(way.behind, "place"))
         }
@@ -93,22 +104,28 @@ fn way(way: &WayResult) -> String {
 }
 
 /// The result as text.
-pub(super) fn result_text(result: &StuckResult, drawn: Option<&std::path::Path>) -> String {
+pub(super) fn result_text(result: &StuckResult, drawn: Option<&Path>) -> String {
     let set = if result.set.is_empty() { String::new() } else { format!(", with {}", result.set.join(", ")) };
+    let StuckResult { file, world, goal, .. } = result;
     let mut out =
-        format!("{}, world {}{set}\n  goal {}: {}\n", result.file, result.world, result.goal, verdict(result));
+        format!("{file}, world {world}{set}\n  goal {goal}: {} ({})\n", verdict(result.verdict), summary(result));
     out.extend(result.states.as_ref().map(states));
     out.extend(result.not_all_states.as_ref().map(|why| format!("    not all states were visited: {why}\n")));
     out.extend(result.unknown.as_ref().map(|why| format!("    {why}\n")));
-    out.extend(
-        result
-            .rest_places
-            .map(|rest| format!("    {} were found at which players can rest\n", number_of(rest, "place"))),
-    );
+    if let Some(rest) = result.rest_places {
+        out.push_str(&format!("    players rest at {} that were found", number_of(rest, "place")));
+        out.push_str(&match result.open_places {
+            0 => "\n".to_string(),
+            open => format!("; of {} of them nothing is known, `--nodes N` tries more\n", grouped(open)),
+        });
+    }
     out.extend(result.ways.iter().take(MAX_SHOWN).map(way));
     let shown = result.ways.len().min(MAX_SHOWN) as u64;
     if result.places > shown && shown > 0 {
-        out.push_str(&format!("    and {} more\n", number_of(result.places - shown, "place")));
+        out.push_str(&format!(
+            "    and {} more, `--format json` has up to 100\n",
+            number_of(result.places - shown, "place")
+        ));
     }
     out.extend(drawn.map(|path| format!("    drawn   {}\n", path.display())));
     out

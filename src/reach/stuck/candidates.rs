@@ -22,8 +22,9 @@ const FIRST_WAYS: u32 = 96;
 const MAX_WAYS: u32 = 1536;
 /// Number of ways from the start after which players that have never rested are taken never to rest.
 const WAYS_WITHOUT_REST: u32 = 768;
-/// The share of the nodes that a search from a candidate has, and the minimum.
-const CHECK_SHARE: u64 = 10;
+/// The parts of all nodes that a search from a candidate has: first from all of them, then from those that are left.
+const CHECK_PARTS: [u64; 2] = [20, 4];
+/// The minimum of these nodes.
 const MIN_CHECK: u64 = 4_000;
 /// Number of steps of a found path between two looks for places to rest.
 const PATH_STRIDE: usize = 6;
@@ -124,6 +125,8 @@ pub fn find_candidates(
 /// What a search from a place showed that did not arrive.
 #[derive(Debug, Clone, Copy)]
 struct Failure {
+    /// The nodes that it could have.
+    budget: u64,
     nodes: u64,
     is_proven: bool,
 }
@@ -234,11 +237,13 @@ impl Search<'_> {
         suspects
     }
 
-    /// The places that are behind one from which a search did not arrive, by place.
+    /// The suspects that are behind one from which a search did not arrive, with that search.
     fn covered(&self, suspects: &[u32]) -> BTreeMap<u32, Failure> {
+        let mut is_suspect = vec![false; self.roadmap.places.len()];
+        suspects.iter().for_each(|place| is_suspect[*place as usize] = true);
         let mut covered = BTreeMap::new();
-        for (place, failure) in self.failed.iter().filter(|(place, _)| suspects.contains(place)) {
-            for behind in self.roadmap.behind(*place, |next| suspects.contains(&next)) {
+        for (place, failure) in self.failed.iter().filter(|(place, _)| is_suspect[**place as usize]) {
+            for behind in self.roadmap.behind(*place, |next| is_suspect[next as usize]) {
                 covered.entry(behind).or_insert(*failure);
             }
         }
@@ -246,22 +251,27 @@ impl Search<'_> {
     }
 
     /// Searches from the suspects, those that are reached soonest first, until each is known to arrive or is behind one
-    /// from which a search did not.
+    /// from which a search did not; then again for longer.
     fn check_all(&mut self) -> Result<(), Fault> {
         let mut nodes = 0;
-        loop {
-            let suspects = self.suspects();
-            let covered = self.covered(&suspects);
-            let Some(&place) = suspects.iter().find(|place| !covered.contains_key(place)) else { return Ok(()) };
-            if nodes >= self.limits.nodes || self.meter.poll() {
-                return Ok(());
+        for part in CHECK_PARTS {
+            let budget = (self.limits.nodes / part).max(MIN_CHECK);
+            loop {
+                let suspects = self.suspects();
+                let mut covered = self.covered(&suspects);
+                covered.retain(|_, failure| failure.is_proven || failure.budget >= budget);
+                let Some(&place) = suspects.iter().find(|place| !covered.contains_key(place)) else { break };
+                if nodes >= self.limits.nodes || self.meter.poll() {
+                    return Ok(());
+                }
+                nodes += self.check(place, budget)?;
             }
-            nodes += self.check(place)?;
         }
+        Ok(())
     }
 
     /// Searches from a place; returns the number of nodes.
-    fn check(&mut self, place: u32) -> Result<u64, Fault> {
+    fn check(&mut self, place: u32, budget: u64) -> Result<u64, Fault> {
         let (space, settings) = self.checks;
         let watch = self.meter.watch();
         let problem = Problem::asking(self.roadmap.problem.sim, self.roadmap.problem.target);
@@ -282,7 +292,7 @@ impl Search<'_> {
         if !is_replayed {
             return mark(self);
         }
-        let limits = Limits { nodes: (self.limits.nodes / CHECK_SHARE).max(MIN_CHECK), ..self.limits };
+        let limits = Limits { nodes: budget, ..self.limits };
         let outcome = reach(&problem, space, &settings, &limits, watch)?;
         let nodes = outcome.statistics.nodes;
         let is_proven = match outcome.verdict {
@@ -291,7 +301,7 @@ impl Search<'_> {
             Verdict::Unreachable(_) | Verdict::NotFound | Verdict::Exhausted(_) => false,
         };
         if !self.meter.poll() {
-            self.failed.insert(place, Failure { nodes, is_proven });
+            self.failed.insert(place, Failure { budget, nodes, is_proven });
         }
         Ok(nodes.max(1))
     }
@@ -300,6 +310,8 @@ impl Search<'_> {
         let suspects = self.suspects();
         let covered = self.covered(&suspects);
         let untried = self.roadmap.places.iter().filter(|place| place.tried == 0).count();
+        let open_places = (untried + suspects.len() - covered.len()) as u64;
+        let covered = self.going_on(covered);
         let mut candidates: Vec<Candidate> =
             self.regions(&covered).iter().filter_map(|region| self.candidate(region, &covered)).collect();
         // The largest first, of equally large ones what is reached sooner.
@@ -307,8 +319,25 @@ impl Search<'_> {
         CandidateAnswer {
             candidates,
             rest_places: self.roadmap.places.len() as u64,
-            open_places: (untried + suspects.len() - covered.len()) as u64,
+            open_places,
             spots: covered.keys().filter_map(|place| self.spot(*place)).collect(),
+        }
+    }
+
+    /// Those of some places from which the run can go on for ever among them: where all ways end the run, nobody is stuck.
+    fn going_on(&self, mut places: BTreeMap<u32, Failure>) -> BTreeMap<u32, Failure> {
+        loop {
+            let goes_on = |place: &u32| {
+                let place = &self.roadmap.places[*place as usize];
+                place.returns || place.next.iter().any(|next| places.contains_key(next))
+            };
+            let ends: Vec<u32> = places.keys().copied().filter(|place| !goes_on(place)).collect();
+            if ends.is_empty() {
+                return places;
+            }
+            ends.iter().for_each(|place| {
+                places.remove(place);
+            });
         }
     }
 

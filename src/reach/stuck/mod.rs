@@ -20,6 +20,8 @@ pub use graph::Gap;
 pub use place::PlayerPlace;
 pub use ways_in::WayIn;
 
+use std::collections::BTreeMap;
+
 use crate::ir::SpaceId;
 use crate::sim::Fault;
 use crate::watch::Watch;
@@ -30,6 +32,7 @@ use super::search::Limits;
 use super::tree::NodeId;
 use fates::{Fate, fates};
 use graph::{Explorer, StateGraph};
+use place::Places;
 use ways_in::ways_in;
 
 /// The numbers of states of each fate.
@@ -63,7 +66,7 @@ pub struct ExactAnswer {
     pub ways: Vec<WayIn>,
     /// The number of places that have one.
     pub places: usize,
-    /// Where the first player is in the stuck states, in no order.
+    /// Where the first player gets stuck, or is in no other states; in no order.
     pub spots: Vec<Spot>,
     /// Whether axes between -1, 0 and 1, which are not tried, can make a difference: then nothing is proven.
     pub reads_between: bool,
@@ -130,14 +133,34 @@ fn counts(graph: &StateGraph, fates: &[Fate]) -> StateCounts {
     counts
 }
 
-/// Where the first player is in the stuck states.
+/// Where the first player is stuck whatever else is the case, and where it gets stuck on the ways in: most places of a
+/// puzzle are also part of its solution.
 fn spots(problem: &Problem<'_>, graph: &StateGraph, fates: &[Fate]) -> Vec<Spot> {
     let Some(&player) = problem.players().first() else { return Vec::new() };
-    let stuck = (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Stuck);
-    let spot = |state: u32| {
-        let state = graph.tree.state(NodeId(state));
-        let (x, y) = problem.sim.position(state, player);
-        (problem.sim.space(state, player), [x as f32, y as f32])
+    let places = Places::new(problem);
+    // For each tile, where the first stuck state has the player, and whether the tile is shaded.
+    let mut tiles: BTreeMap<(SpaceId, (i64, i64)), (Spot, bool)> = BTreeMap::new();
+    let tile_of = |state: u32| {
+        let bytes = graph.tree.state(NodeId(state));
+        (problem.sim.space(bytes, player), places.tile(bytes, player))
     };
-    stuck.map(|(state, _)| spot(state)).collect()
+    for (state, _) in (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Stuck) {
+        let (space, tile) = tile_of(state);
+        let (x, y) = problem.sim.position(graph.tree.state(NodeId(state)), player);
+        tiles.entry((space, tile)).or_insert(((space, [x as f32, y as f32]), true));
+    }
+    let arriving = || (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Arrives).map(|(state, _)| state);
+    for state in arriving() {
+        if let Some((_, is_shaded)) = tiles.get_mut(&tile_of(state)) {
+            *is_shaded = false;
+        }
+    }
+    for next in arriving().flat_map(|state| graph.successors(state)) {
+        if fates[*next as usize] == Fate::Stuck
+            && let Some((_, is_shaded)) = tiles.get_mut(&tile_of(*next))
+        {
+            *is_shaded = true;
+        }
+    }
+    tiles.into_values().filter(|(_, is_shaded)| *is_shaded).map(|(spot, _)| spot).collect()
 }

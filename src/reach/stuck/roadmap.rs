@@ -34,6 +34,8 @@ pub(super) struct RestPlace {
     pub steps: u64,
     /// The places that ways from it lead to.
     pub next: Vec<u32>,
+    /// Whether a way from it comes back to it: the run goes on there.
+    pub returns: bool,
     /// Whether a way from it reaches the goal directly.
     pub is_at_goal: bool,
     /// Number of ways that were tried from it.
@@ -97,15 +99,27 @@ impl<'p> Roadmap<'p> {
         *self.at_spots.entry(key.0.clone()).or_default() += 1;
         self.known.insert(key.clone(), place);
         let (state, next) = (state.to_vec(), Vec::new());
-        self.places.push(RestPlace { key, state, parent, inputs, steps, next, is_at_goal: false, tried: 0 });
+        self.places.push(RestPlace {
+            key,
+            state,
+            parent,
+            inputs,
+            steps,
+            next,
+            returns: false,
+            is_at_goal: false,
+            tried: 0,
+        });
         place
     }
 
     /// Notes a way between two places.
     pub fn connect(&mut self, from: u32, to: u32) {
-        let next = &mut self.places[from as usize].next;
-        if from != to && !next.contains(&to) {
-            next.push(to);
+        let place = &mut self.places[from as usize];
+        if from == to {
+            place.returns = true;
+        } else if !place.next.contains(&to) {
+            place.next.push(to);
         }
     }
 
@@ -153,17 +167,19 @@ impl<'p> Roadmap<'p> {
 
     /// The places that some place leads to, itself included, among those that pass a test.
     pub fn behind(&self, place: u32, is_counted: impl Fn(u32) -> bool) -> Vec<u32> {
-        let mut seen = vec![place];
-        let mut open = vec![place];
-        while let Some(at) = open.pop() {
-            for &next in &self.places[at as usize].next {
-                if is_counted(next) && !seen.contains(&next) {
-                    seen.push(next);
-                    open.push(next);
+        let mut seen = vec![false; self.places.len()];
+        seen[place as usize] = true;
+        let mut found = vec![place];
+        let mut at = 0;
+        while let Some(&place) = found.get(at) {
+            at += 1;
+            for &next in &self.places[place as usize].next {
+                if is_counted(next) && !std::mem::replace(&mut seen[next as usize], true) {
+                    found.push(next);
                 }
             }
         }
-        seen
+        found
     }
 }
 

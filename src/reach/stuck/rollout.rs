@@ -14,10 +14,10 @@ use super::roadmap::RestTest;
 
 /// Maximum number of inputs of a way.
 const MAX_INPUTS: u32 = 5;
-/// Binary logarithm of the maximum number of steps for which an input is held.
-const HOLD_OCTAVES: u32 = 6;
+/// Binary logarithm of the number of steps for which an input is held at most.
+const HOLD_OCTAVES: u32 = 7;
 /// Maximum number of steps without input until players rest.
-const MAX_SETTLING: u64 = 150;
+const MAX_SETTLING: u64 = 400;
 
 /// How a way ends.
 #[derive(Debug, PartialEq)]

@@ -1,0 +1,462 @@
+//! Soft locks: in finite puzzles the numbers of states are those of a brute force that is written from the simulator
+//! alone; in platform worlds with planted pits the pits are found, and nothing that a search can leave.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::support::{Disk, compile_text, program};
+use hypedc::analysis::configuration_space;
+use hypedc::compile::compile;
+use hypedc::ir::{GoalId, Program, WorldId};
+use hypedc::reach::stuck::{
+    Candidate, CandidateAnswer, CandidateLimits, ExactAnswer, Gap, StateCounts, Unknown, find_candidates, find_stuck,
+};
+use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
+use hypedc::sim::{Input, PlayerInput, Script, Simulator, State};
+use hypedc::watch::Unwatched;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+const GOAL: GoalId = GoalId(0);
+const WAYS: usize = 1000;
+
+fn limits(nodes: u64) -> Limits {
+    Limits { nodes, ..Limits::default() }
+}
+
+fn exact(program: &Arc<Program>) -> Result<ExactAnswer, Gap> {
+    let sim = Simulator::new(program, WorldId(0));
+    find_stuck(&Problem::new(&sim, GOAL), &limits(400_000), WAYS, &Unwatched).unwrap()
+}
+
+// Brute force.
+
+/// What a state leads to: other states, whether it is a goal, whether the run can end.
+struct Explored {
+    next: Vec<Vec<usize>>,
+    is_goal: Vec<bool>,
+    can_end: Vec<bool>,
+    states: Vec<State>,
+}
+
+/// All inputs of the only player of the tests' entities: two axes at -1, 0 and 1, and the first button.
+fn all_inputs(buttons: u64) -> Vec<Input> {
+    let mut inputs = Vec::new();
+    for horizontal in [-1.0, 0.0, 1.0] {
+        for vertical in [-1.0, 0.0, 1.0] {
+            for buttons in 0..=buttons {
+                let mut player = PlayerInput { buttons, ..PlayerInput::default() };
+                (player.axes[0], player.axes[1]) = (horizontal, vertical);
+                inputs.push(Input::of_players(vec![player]));
+            }
+        }
+    }
+    inputs
+}
+
+fn explored(sim: &Simulator, inputs: &[Input]) -> Explored {
+    let mut scratch = sim.scratch();
+    let first = sim.initial(&mut scratch).unwrap();
+    let is_over = |state: &State| sim.violated(state).unwrap().is_some() || sim.left_bounds(state).is_some();
+    assert!(!is_over(&first));
+    let mut numbers = HashMap::from([(first.clone(), 0)]);
+    let mut all = Explored { next: Vec::new(), is_goal: Vec::new(), can_end: Vec::new(), states: vec![first] };
+    let mut at = 0;
+    while at < all.states.len() {
+        let is_goal = sim.goal(&all.states[at], GOAL).unwrap();
+        let (mut next, mut can_end) = (Vec::new(), false);
+        for input in inputs.iter().filter(|_| !is_goal) {
+            let mut state = all.states[at].clone();
+            sim.step(&mut state, input, &mut scratch).unwrap();
+            if is_over(&state) {
+                can_end = true;
+                continue;
+            }
+            let number = *numbers.entry(state.clone()).or_insert_with(|| {
+                all.states.push(state);
+                all.states.len() - 1
+            });
+            next.push(number);
+        }
+        all.next.push(next);
+        all.is_goal.push(is_goal);
+        all.can_end.push(can_end);
+        at += 1;
+    }
+    all
+}
+
+/// Which states arrive, and which of the others go on for ever: by repeated passes over all states.
+fn passes(all: &Explored) -> (Vec<bool>, Vec<bool>) {
+    let mut arrives = all.is_goal.clone();
+    loop {
+        let mut has_changed = false;
+        for at in (0..arrives.len()).rev().chain(0..arrives.len()) {
+            if !arrives[at] && all.next[at].iter().any(|to| arrives[*to]) {
+                (arrives[at], has_changed) = (true, true);
+            }
+        }
+        if !has_changed {
+            break;
+        }
+    }
+    let mut stays: Vec<bool> = arrives.iter().map(|arrives| !arrives).collect();
+    loop {
+        let ends = |at: &usize| stays[*at] && !all.next[*at].iter().any(|to| stays[*to]);
+        let ends: Vec<usize> = (0..stays.len()).filter(ends).collect();
+        if ends.is_empty() {
+            return (arrives, stays);
+        }
+        ends.into_iter().for_each(|at| stays[at] = false);
+    }
+}
+
+fn counted(all: &Explored, arrives: &[bool], stays: &[bool]) -> StateCounts {
+    let count = |is: &dyn Fn(usize) -> bool| (0..arrives.len()).filter(|at| is(*at)).count() as u64;
+    StateCounts {
+        all: arrives.len() as u64,
+        goals: count(&|at| all.is_goal[at]),
+        arriving: count(&|at| arrives[at]),
+        stuck: count(&|at| stays[at]),
+        dead_ends: count(&|at| stays[at] && !all.can_end[at] && all.next[at].iter().all(|to| *to == at)),
+        doomed: count(&|at| !arrives[at] && !stays[at]),
+    }
+}
+
+/// Compares a world with brute force, its ways in included; returns the counts.
+fn check(name: &str, text: &str, buttons: u64) -> StateCounts {
+    let program = program(compile_text(text));
+    let sim = Simulator::new(&program, WorldId(0));
+    let all = explored(&sim, &all_inputs(buttons));
+    let (arrives, stays) = passes(&all);
+    let expected = counted(&all, &arrives, &stays);
+    let answer = exact(&program).unwrap_or_else(|gap| panic!("{name}: {gap:?}"));
+    assert_eq!(answer.counts, expected, "{name}");
+    assert_eq!(answer.starts_well, arrives[0], "{name}");
+    // There is a way in exactly if something is stuck and the start is not.
+    assert_eq!(!answer.ways.is_empty(), arrives[0] && expected.stuck > 0, "{name}");
+    assert_eq!(answer.places, answer.ways.len().min(WAYS), "{name}");
+    let number = |state: &State| all.states.iter().position(|known| known == state).unwrap();
+    let mut last = 0;
+    for way in &answer.ways {
+        let end = way.script.len();
+        let before = number(&after(&sim, &way.script.first(end - 1)));
+        assert!(arrives[before], "{name}: {}", way.place);
+        let at = number(&after(&sim, &way.script));
+        assert!(stays[at], "{name}: {}", way.place);
+        assert!(end >= last, "{name}: the shortest come first");
+        assert!(1 <= way.behind && way.behind <= expected.stuck + expected.doomed, "{name}");
+        last = end;
+    }
+    expected
+}
+
+fn after(sim: &Simulator, script: &Script) -> State {
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for input in script.inputs() {
+        sim.step(&mut state, input, &mut scratch).unwrap();
+    }
+    state
+}
+
+// Puzzles.
+
+/// The entities of the example, with one room.
+fn sokoban(room: &[&str]) -> String {
+    let example = std::fs::read_to_string("examples/sokoban.hyped").unwrap();
+    let entities = &example[..example.find("world First").unwrap()];
+    format!(
+        "{entities}
+world Room {{
+    step 1/60
+    tiles room 16 x 16 {{
+        '.': empty
+        '#': wall, solid
+        'o': spot
+        '@': spawn Player as player
+        '$': spawn Crate
+    }}
+    space main {{
+        map room \"
+            {}
+        \"
+    }}
+    player 1: player
+    goal solved: all Crate in home
+}}
+",
+        room.join("\n            ")
+    )
+}
+
+/// A walker on a grid that falls where there is no floor and climbs one cell. `p` shuts all `g` for good, `k` is a key
+/// that opens one of two doors `d` and `e`, `x` ends the run.
+fn grid(room: &[&str]) -> String {
+    format!(
+        "entity Walker {{
+    discrete shut: bool = false
+    discrete key: int 0..2 = 0
+    discrete opened: int 0..2 = 0
+    axis horizontal, vertical
+    collider body: rect(0, 0, 16, 16)
+    condition right_free = not touching(body at (16, 0), wall) and not (shut and touching(body at (16, 0), gate))
+        and not (touching(body at (16, 0), one) and opened != 1 and key != 1)
+        and not (touching(body at (16, 0), two) and opened != 2 and key != 1)
+    condition left_free = not touching(body at (-16, 0), wall) and not (shut and touching(body at (-16, 0), gate))
+        and not (touching(body at (-16, 0), one) and opened != 1 and key != 1)
+        and not (touching(body at (-16, 0), two) and opened != 2 and key != 1)
+    condition falls = not touching(body at (0, -16), wall)
+    condition can_climb = not touching(body at (0, 16), wall)
+    mode living {{
+        when touching(body at (0, 0), home) -> home
+        when touching(body at (0, 0), spikes) -> dead
+        when touching(body at (0, 0), plate) and not shut {{ shut := true }}
+        when touching(body at (0, 0), keys) and key == 0 {{ key := 1 }}
+        when touching(body at (0, 0), one) and key == 1 {{ key := 2; opened := 1 }}
+        when touching(body at (0, 0), two) and key == 1 {{ key := 2; opened := 2 }}
+        when falls {{ y += -16 }}
+        when horizontal > 0 and right_free {{ x += 16 }}
+        when horizontal < 0 and left_free {{ x += -16 }}
+        when horizontal > 0 and can_climb and not touching(body at (16, 16), wall) {{ x += 16; y += 16 }}
+        when horizontal < 0 and can_climb and not touching(body at (-16, 16), wall) {{ x += -16; y += 16 }}
+    }}
+    mode home {{ }}
+    mode dead {{ }}
+}}
+world Room {{
+    step 1/60
+    tiles room 16 x 16 {{
+        '.': empty
+        '#': wall
+        'G': home
+        'p': plate
+        'g': gate
+        'k': keys
+        'd': one
+        'e': two
+        'x': spikes
+        '@': spawn Walker as hero
+    }}
+    space main {{
+        map room \"
+            {}
+        \"
+    }}
+    player 1: hero
+    goal home: hero in home
+    never dead: hero in dead
+}}
+",
+        room.join("\n            ")
+    )
+}
+
+/// A small room with walls and as many crates as spots, all at random.
+fn random_room(seed: u64) -> Vec<String> {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let (columns, rows) = (rng.random_range(3..=4usize), 3usize);
+    let mut cells: Vec<Vec<char>> = vec![vec!['.'; columns]; rows];
+    for thing in ['@', '$', 'o', '#'] {
+        loop {
+            let (column, row) = (rng.random_range(0..columns), rng.random_range(0..rows));
+            if cells[row][column] == '.' {
+                cells[row][column] = thing;
+                break;
+            }
+        }
+    }
+    let border = "#".repeat(columns + 2);
+    let inside = cells.into_iter().map(|row| format!("#{}#", row.into_iter().collect::<String>()));
+    std::iter::once(border.clone()).chain(inside).chain([border]).collect()
+}
+
+#[test]
+fn puzzles_are_as_brute_force_says() {
+    let boxes = ["#####", "#@..#", "#.$.#", "#..o#", "#####"];
+    let counts = check("corner", &sokoban(&boxes), 0);
+    assert!(counts.stuck > 0 && counts.arriving > counts.goals && counts.goals > 0, "{counts:?}");
+    let (mut stuck, mut arriving) = (0, 0);
+    for seed in 1..=5 {
+        let room = random_room(seed);
+        let room: Vec<&str> = room.iter().map(String::as_str).collect();
+        let counts = check(&format!("room {seed}: {room:?}"), &sokoban(&room), 0);
+        stuck += u64::from(counts.stuck > 0);
+        arriving += u64::from(counts.arriving > 0);
+    }
+    assert!(stuck >= 3 && arriving >= 2, "{stuck}, {arriving}");
+}
+
+#[test]
+fn grids_are_as_brute_force_says() {
+    let drop =
+        ["###########", "#....@....#", "#.#######.#", "#.#######.#", "#.#######.#", "#G#######.#", "###########"];
+    let counts = check("drop", &grid(&drop), 0);
+    // Nothing can be done at the bottom, and falling is no choice either.
+    assert!(counts.stuck >= 4 && counts.dead_ends == 1 && counts.doomed == 0, "{counts:?}");
+    let spikes = ["###########", "#....@....#", "#.#######.#", "#.#######.#", "#G#######x#", "###########"];
+    let counts = check("spikes", &grid(&spikes), 0);
+    assert!(counts.stuck == 0 && counts.doomed >= 3, "{counts:?}");
+    let plate = ["############", "#G.g.@..p..#", "############"];
+    let counts = check("plate", &grid(&plate), 0);
+    assert!(counts.stuck > 5 && counts.dead_ends == 0, "{counts:?}");
+    let doors = ["#############", "#G.d.@.k.e..#", "#############"];
+    let counts = check("doors", &grid(&doors), 0);
+    assert!(counts.stuck > 5, "{counts:?}");
+    // What is in the hole climbs out of it on the left, where it is one cell deep.
+    let ledge = ["##########", "#@......G#", "##.#######", "##########"];
+    let counts = check("hole", &grid(&ledge), 0);
+    assert!(counts.stuck == 0 && counts.arriving == counts.all, "{counts:?}");
+    let never = ["#######", "#@..#G#", "#######"];
+    let counts = check("walled", &grid(&never), 0);
+    assert!(counts.arriving == 0 && counts.stuck == counts.all && counts.goals == 0, "{counts:?}");
+}
+
+#[test]
+fn nothing_is_claimed_where_states_are_left_out() {
+    let program = program(compile_text(&sokoban(&["#####", "#@..#", "#.$.#", "#..o#", "#####"])));
+    let sim = Simulator::new(&program, WorldId(0));
+    let problem = Problem::new(&sim, GOAL);
+    let all = exact(&program).unwrap().counts.all;
+    let within = |nodes| find_stuck(&problem, &limits(nodes), WAYS, &Unwatched).unwrap();
+    assert_eq!(within(all - 1), Err(Gap::Nodes));
+    assert!(within(all).is_ok());
+    let memory = Limits { memory: 1000, ..Limits::default() };
+    assert_eq!(find_stuck(&problem, &memory, WAYS, &Unwatched).unwrap(), Err(Gap::Memory));
+}
+
+// Platform worlds.
+
+/// A runner that jumps 62 px high, with some geometry and things, and a goal.
+fn platforms(things: &str, entities: &str, goal: &str) -> Arc<Program> {
+    let runner = std::fs::read_to_string("tests/verdicts/parts/runner.hyped").unwrap();
+    program(compile_text(&format!(
+        "{runner}\n{entities}
+world W {{
+    step 1/64
+    collide body with floor: block
+    space main {{
+        bounds rect(0, 0, 480, 320)
+        rect floor (0, 0, 8, 320)
+        rect floor (472, 0, 8, 320)
+        place hero: Runner at (40, 160)
+        {things}
+    }}
+    player 1: hero
+    goal out: {goal}
+}}
+"
+    )))
+}
+
+fn candidates(program: &Arc<Program>, nodes: u64, seed: u64) -> Result<CandidateAnswer, Unknown> {
+    let sim = Simulator::new(program, WorldId(0));
+    let space = configuration_space(program, WorldId(0));
+    let limits = CandidateLimits { limits: limits(nodes), seed };
+    find_candidates(&Problem::new(&sim, GOAL), &space, &limits, &Unwatched).unwrap()
+}
+
+/// Where the hero is at the end of the way into each candidate. No search from there arrives.
+fn places(program: &Arc<Program>, answer: &CandidateAnswer) -> Vec<(f64, f64)> {
+    let sim = Simulator::new(program, WorldId(0));
+    let space = configuration_space(program, WorldId(0));
+    let hero = program.worlds[WorldId(0)].slots.find(|slot| slot.name == "hero").unwrap();
+    let place = |candidate: &Candidate| {
+        let problem = Problem::new(&sim, GOAL).after(candidate.script.clone()).unwrap();
+        let settings = Settings { seed: 77, ..Settings::default() };
+        let outcome = reach(&problem, &space, &settings, &limits(30_000), &Unwatched).unwrap();
+        assert!(!matches!(outcome.verdict, Verdict::Reached(_)), "{candidate:?}");
+        sim.position(&after(&sim, &candidate.script), hero)
+    };
+    answer.candidates.iter().map(place).collect()
+}
+
+/// The floor at a height of 160 px, with gaps `(from, to, bottom)`.
+fn floor(gaps: &[(i32, i32, i32)]) -> String {
+    let (mut out, mut left) = (String::new(), 8);
+    for (from, to, bottom) in gaps {
+        out.push_str(&format!("rect floor ({left}, 0, {}, 160)\n", from - left));
+        out.push_str(&format!("rect floor ({from}, 0, {}, {bottom})\n", to - from));
+        left = *to;
+    }
+    out + &format!("rect floor ({left}, 0, {}, 160)\n", 472 - left)
+}
+
+const NODES: u64 = 30_000;
+
+#[test]
+fn pits_that_are_too_deep_are_found() {
+    let deep = platforms(&floor(&[(160, 220, 64)]), "", "hero.x > 400");
+    let found = candidates(&deep, NODES, 1).unwrap();
+    let at = places(&deep, &found);
+    assert!(matches!(at.as_slice(), [(x, 64.0)] if (160.0..=204.0).contains(x)), "{at:?}");
+    assert_eq!(candidates(&deep, NODES, 1).unwrap(), found, "the same seed gives the same candidates");
+    // One of two is shallow.
+    let two = platforms(&floor(&[(120, 180, 110), (260, 320, 64)]), "", "hero.x > 400");
+    let at = places(&two, &candidates(&two, NODES, 1).unwrap());
+    assert!(matches!(at.as_slice(), [(x, 64.0)] if (260.0..=304.0).contains(x)), "{at:?}");
+    // Both are deep.
+    let both = platforms(&floor(&[(120, 170, 64), (260, 310, 48)]), "", "hero.x > 400");
+    let mut at = places(&both, &candidates(&both, NODES, 1).unwrap());
+    at.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(matches!(at.as_slice(), [(a, 64.0), (b, 48.0)] if *a < 170.0 && *b >= 260.0), "{at:?}");
+}
+
+#[test]
+fn a_pit_with_a_ledge_is_fine() {
+    let things = floor(&[(160, 260, 64)]) + "rect floor (220, 64, 40, 48)\n";
+    let program = platforms(&things, "", "hero.x > 400");
+    let found = candidates(&program, NODES, 1).unwrap();
+    assert_eq!(places(&program, &found), [], "{found:?}");
+    assert!(found.rest_places > 10, "{found:?}");
+}
+
+#[test]
+fn a_room_whose_door_closes_is_found() {
+    let trap = "entity Trap {
+    kinematic collider floor: rect(0, 0, 8, 64) when in closed
+    collider wire: rect(-40, 0, 16, 64)
+    mode open { when touching(wire, player) -> closed }
+    mode closed { }
+}";
+    let things = floor(&[]) + "rect floor (300, 224, 172, 8)\nplace trap: Trap at (120, 160)\n";
+    let things = things.replace("place trap", "rect floor (8, 224, 112, 96)\nplace trap");
+    let program = program_with_wire(&things, trap);
+    let found = candidates(&program, NODES, 1).unwrap();
+    let at = places(&program, &found);
+    assert!(matches!(at.as_slice(), [(x, 160.0)] if *x < 120.0), "{at:?}");
+    assert!(found.candidates[0].changes.iter().any(|change| change.contains("trap")), "{found:?}");
+}
+
+/// The hero begins on the right of the trap.
+fn program_with_wire(things: &str, entities: &str) -> Arc<Program> {
+    let runner = std::fs::read_to_string("tests/verdicts/parts/runner.hyped").unwrap();
+    program(compile_text(&format!(
+        "{runner}\n{entities}
+world W {{
+    step 1/64
+    collide body with floor: block
+    collide player with wire: sense
+    space main {{
+        bounds rect(0, 0, 480, 320)
+        rect floor (0, 0, 8, 320)
+        rect floor (472, 0, 8, 320)
+        place hero: Runner at (200, 160)
+        {things}
+    }}
+    player 1: hero
+    goal out: hero.x > 400
+}}
+"
+    )))
+}
+
+#[test]
+fn nothing_is_said_where_players_never_rest_or_nothing_arrives() {
+    let flappy = program(compile("examples/flappy.hyped".as_ref(), &Disk));
+    assert_eq!(candidates(&flappy, 20_000, 1), Err(Unknown::NoRest));
+    let walled = platforms(&floor(&[(160, 200, 160)]), "", "hero.y > 300");
+    assert!(matches!(candidates(&walled, 2_000, 1), Err(Unknown::NotFound | Unknown::Unreachable)));
+}

@@ -183,7 +183,7 @@ pub fn level_file(path: &Path) -> &Path {
 }
 
 /// The file and the level of `world.ldtk#Level_0`.
-fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
+pub(crate) fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
     let (file, part) = path.to_str()?.rsplit_once('#')?;
     let file = Path::new(file);
     (Format::of(file) == Some(Format::Ldtk)).then_some((Some(file), Some(part)))

@@ -22,6 +22,7 @@ mod studio;
 mod studio_keep;
 mod studio_looks;
 mod studio_memory;
+mod studio_paint;
 mod studio_protocol;
 mod trace;
 mod view;

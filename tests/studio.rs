@@ -285,7 +285,7 @@ fn a_cell_is_a_character_of_the_text() {
         let first = opened(session.answer(Request::Open { world: None }));
         let scene = first.scene.unwrap();
         for (space, info) in scene.spaces.iter().enumerate() {
-            let Some(map) = info.map.as_ref().filter(|map| map.is_painted) else { continue };
+            let Some(map) = info.map.as_ref().filter(|map| !map.brushes.is_empty()) else { continue };
             let before: BTreeMap<PathBuf, String> = session
                 .paths()
                 .into_iter()

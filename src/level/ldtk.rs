@@ -24,7 +24,7 @@ fn levels<'n, 't>(root: &'n Node<'t>) -> impl Iterator<Item = &'n Node<'t>> {
 }
 
 /// The level with a name, or the only level.
-fn select_level<'n, 't>(root: &'n Node<'t>, name: Option<&str>) -> Result<&'n Node<'t>, LevelError> {
+pub(super) fn select_level<'n, 't>(root: &'n Node<'t>, name: Option<&str>) -> Result<&'n Node<'t>, LevelError> {
     if root.get("jsonVersion").is_none() && root.child("__header__").is_none() {
         return Err(LevelError::new(root.head(), "this is no project of LDtk"));
     }
@@ -98,7 +98,7 @@ impl Reader<'_, '_> {
         let layers = level.children(&["layerInstances"]);
         let is_read = |layer: &&Node<'_>| (self.meaning)(layer.text_of("__identifier")) != Meaning::Nothing;
         let layers: Vec<&Node<'_>> = layers.filter(is_read).collect();
-        let grids = || layers.iter().filter(|layer| self.values(layer).is_some());
+        let grids = || layers.iter().filter(|layer| values(layer).is_some());
         // A level without a grid is empty space of its size.
         let model = grids().chain(layers.iter()).next().copied();
         let model = model.ok_or_else(|| LevelError::new(level.head(), "this level has no layers"))?;
@@ -119,7 +119,7 @@ impl Reader<'_, '_> {
             let called = layer.text_of("__identifier");
             let offset = |name: &str| layer.number(name).map(|offset| offset.unwrap_or(0.0));
             let moved = (offset("__pxTotalOffsetX")?, offset("__pxTotalOffsetY")?);
-            if let Some(values) = self.values(layer) {
+            if let Some(values) = values(layer) {
                 if size(layer)? != (columns, rows, side) || moved != (0.0, 0.0) {
                     let why = format!("the layer `{called}` has another grid than `{}`", model.text_of("__identifier"));
                     return Err(LevelError::new(layer.head(), why));
@@ -177,25 +177,11 @@ impl Reader<'_, '_> {
         art
     }
 
-    /// The values of a layer's grid, if it has one.
-    fn values<'n, 't>(&self, layer: &'n Node<'t>) -> Option<&'n Node<'t>> {
-        let values = layer.child("intGridCsv")?;
-        (layer.text_of("__type") == "IntGrid" || listed(values.text, 0).next().is_some()).then_some(values)
-    }
-
     /// Puts the values of a layer into the grid. Returns the objects of the cells whose value is an entity.
     fn grid(&self, layer: &Node<'_>, values: &Node<'_>, side: f64, grid: &mut Grid) -> Result<Vec<Object>, LevelError> {
         let columns = grid.columns();
         let called = layer.text_of("__identifier");
-        let defined = self.root.child("defs").into_iter().flat_map(|defs| defs.children(&["layers"]));
-        let of = layer.text_of("layerDefUid");
-        let mut names: BTreeMap<u32, String> = BTreeMap::new();
-        for value in defined.filter(|d| d.text_of("uid") == of).flat_map(|d| d.children(&["intGridValues"])) {
-            let number = value.needed("value", value.count("value"))?;
-            // A value need not have an identifier.
-            let name = value.get("identifier").map_or(format!("{called} {number}"), |name| name.text.to_string());
-            names.insert(number, name);
-        }
+        let names = value_names(self.root, layer)?;
         let at = values.head();
         let data =
             Data { text: values.text, text_at: values.text_at, encoding: "csv", compression: "", at: at.clone() };
@@ -279,4 +265,24 @@ impl Reader<'_, '_> {
         let at = field.get("__identifier").map_or(field.head(), |name| name.at.clone());
         Ok(value.map(|value| Setting { name, value, at: Span::new(self.file, at.start, at.end) }))
     }
+}
+
+/// The values of a layer's grid, if it has one.
+pub(super) fn values<'n, 't>(layer: &'n Node<'t>) -> Option<&'n Node<'t>> {
+    let values = layer.child("intGridCsv")?;
+    (layer.text_of("__type") == "IntGrid" || listed(values.text, 0).next().is_some()).then_some(values)
+}
+
+/// The names of the values of a layer's grid.
+pub(super) fn value_names(root: &Node<'_>, layer: &Node<'_>) -> Result<BTreeMap<u32, String>, LevelError> {
+    let (called, of) = (layer.text_of("__identifier"), layer.text_of("layerDefUid"));
+    let defined = root.child("defs").into_iter().flat_map(|defs| defs.children(&["layers"]));
+    let mut names = BTreeMap::new();
+    for value in defined.filter(|d| d.text_of("uid") == of).flat_map(|d| d.children(&["intGridValues"])) {
+        let number = value.needed("value", value.count("value"))?;
+        // A value need not have an identifier.
+        let name = value.get("identifier").map_or(format!("{called} {number}"), |name| name.text.to_string());
+        names.insert(number, name);
+    }
+    Ok(names)
 }

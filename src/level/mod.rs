@@ -1,6 +1,7 @@
 //! Tile maps: a grid of kinds of tiles, each kind a list of tags. Read from rows of text, with a tile set or a legend
 //! of the Video Game Level Corpus, and from files of the level editors Tiled and LDtk.
 
+mod brush;
 mod editor;
 mod editor_level;
 mod inline;
@@ -14,6 +15,7 @@ mod tiled;
 #[cfg(feature = "tiled")]
 mod xml;
 
+pub use brush::{Brush, Canvas};
 pub use editor::{Format, read_dependencies, read_level};
 pub use editor_level::{EditorLevel, Meaning, Object, Setting, Value};
 pub use inline::{InlineTile, inline_map, text_rows};

@@ -7,7 +7,7 @@ use crate::source::Span;
 use super::MAX_OBJECTS;
 use super::editor_level::{Meaning, Object};
 use super::node::{LevelError, Node};
-use super::tiled::{Reader, Tile, properties};
+use super::tiled::{Reader, Tile, layer_names, properties};
 
 /// The shape of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl Reader<'_> {
         let own = Some(class.clone()).filter(|class| !class.is_empty());
         let mut all: Vec<String> = own.into_iter().chain(tags).chain(tile.tags).collect();
         if all.is_empty() && matches!(shape, Shape::Rectangle | Shape::Tile) {
-            all = self.layer_names(layer)?;
+            all = layer_names(layer, self.file)?;
             // A tile without names is no wall.
             all.retain(|name| shape == Shape::Rectangle || (self.meaning)(name) == Meaning::Entity);
         }

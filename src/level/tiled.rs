@@ -19,7 +19,7 @@ use super::tile_art::{Sheet, TileArt, mirrored};
 use super::{MAX_OBJECTS, MAX_TILES};
 
 /// The bits of a tile's number that encode its mirroring and rotation.
-const FLAGS: u32 = 0xf000_0000;
+pub(super) const FLAGS: u32 = 0xf000_0000;
 /// Maximum number of tile numbers in all layers together.
 const MAX_NUMBERS: usize = 4 * MAX_TILES;
 /// Maximum distance of a chunk from the origin, in tiles.
@@ -34,6 +34,14 @@ pub(super) struct Tile {
     pub class: String,
     pub tags: Vec<String>,
     pub settings: Vec<Setting>,
+}
+
+impl Tile {
+    /// Its class and its tags; none if it has those of its layer.
+    pub fn names(&self) -> Vec<String> {
+        let class = Some(&self.class).filter(|class| !class.is_empty());
+        class.into_iter().chain(&self.tags).cloned().collect()
+    }
 }
 
 struct Tileset {
@@ -57,8 +65,17 @@ impl Tilesets {
         set.tiles.get(&own).or_else(|| set.count.is_none_or(|count| own < count).then_some(PLAIN))
     }
 
+    /// The tiles of all tilesets that have names of their own, with their numbers.
+    pub fn named(&self) -> impl Iterator<Item = (u32, &Tile)> {
+        let tiles = self
+            .0
+            .iter()
+            .flat_map(|set| set.tiles.iter().map(move |(own, tile)| (set.first.saturating_add(*own), tile)));
+        tiles.filter(|(number, tile)| number & FLAGS == 0 && !tile.names().is_empty())
+    }
+
     /// The picture of the tile of a number, and the part of it.
-    fn part(&self, number: u32) -> Option<(PathBuf, [u32; 4])> {
+    pub fn part(&self, number: u32) -> Option<(PathBuf, [u32; 4])> {
         let number = number & !FLAGS;
         let set = self.0.iter().rev().find(|set| set.first <= number)?;
         set.sheet.part(number - set.first)
@@ -132,7 +149,7 @@ pub(super) fn tiled(
 }
 
 /// The tilesets of a map.
-fn tilesets(
+pub(super) fn tilesets(
     root: &Node<'_>,
     file: FileId,
     sources: &SourceMap,
@@ -207,7 +224,7 @@ pub(super) fn properties(node: &Node<'_>, file: FileId) -> Result<(Vec<String>, 
 }
 
 /// The layers in a map or in a group.
-fn layers<'n, 't>(node: &'n Node<'t>) -> impl Iterator<Item = (&'static str, &'n Node<'t>)> {
+pub(super) fn layers<'n, 't>(node: &'n Node<'t>) -> impl Iterator<Item = (&'static str, &'n Node<'t>)> {
     node.children(&["layer", "objectgroup", "group", "layers"]).map(|layer| {
         let kind = match (&*layer.name, layer.text_of("type")) {
             ("layer", _) | ("layers", "tilelayer") => "tiles",
@@ -220,12 +237,12 @@ fn layers<'n, 't>(node: &'n Node<'t>) -> impl Iterator<Item = (&'static str, &'n
 }
 
 /// A rectangle of a layer: its first column and row, its size, and its numbers.
-struct Chunk<'n> {
-    x: i64,
-    y: i64,
-    columns: usize,
-    rows: usize,
-    data: Data<'n>,
+pub(super) struct Chunk<'n> {
+    pub x: i64,
+    pub y: i64,
+    pub columns: usize,
+    pub rows: usize,
+    pub data: Data<'n>,
 }
 
 impl Reader<'_> {
@@ -315,16 +332,6 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The names of a layer: its class and tags, else its own name.
-    pub fn layer_names(&self, layer: &Node<'_>) -> Result<Vec<String>, LevelError> {
-        let (mut all, _) = properties(layer, self.file)?;
-        all.extend(names(layer.text_of("class")));
-        if all.is_empty() {
-            all.extend(Some(layer.text_of("name").to_string()).filter(|name| !name.is_empty()));
-        }
-        Ok(all)
-    }
-
     /// Shows a layer that means nothing; what cannot be read of it is not shown.
     fn scenery(&mut self, layer: &Node<'_>, (columns, rows): (usize, usize)) {
         if !is_visible(layer) {
@@ -346,7 +353,7 @@ impl Reader<'_> {
 
     /// Puts a layer of tiles into the grid.
     fn tiles(&mut self, layer: &Node<'_>, grid: &mut Grid) -> Result<(), LevelError> {
-        let fallback = self.layer_names(layer)?;
+        let fallback = layer_names(layer, self.file)?;
         let called = layer.text_of("name");
         let mut known: BTreeMap<u32, (u16, Option<Tile>)> = BTreeMap::new();
         let (is_visible, columns, rows) = (is_visible(layer), grid.columns(), grid.rows());
@@ -394,8 +401,7 @@ impl Reader<'_> {
 
     /// The names of a tile that are tags; and if one of its names is an entity, the tile with the entity as its class.
     fn sorted(&self, tile: &Tile, fallback: &[String]) -> (Vec<String>, Option<Tile>) {
-        let own = Some(tile.class.clone()).filter(|class| !class.is_empty());
-        let mut all: Vec<String> = own.into_iter().chain(tile.tags.iter().cloned()).collect();
+        let mut all = tile.names();
         if all.is_empty() {
             all = fallback.to_vec();
         }
@@ -414,6 +420,16 @@ impl Reader<'_> {
     }
 }
 
+/// The names of a layer: its class and tags, else its own name.
+pub(super) fn layer_names(layer: &Node<'_>, file: FileId) -> Result<Vec<String>, LevelError> {
+    let (mut all, _) = properties(layer, file)?;
+    all.extend(names(layer.text_of("class")));
+    if all.is_empty() {
+        all.extend(Some(layer.text_of("name").to_string()).filter(|name| !name.is_empty()));
+    }
+    Ok(all)
+}
+
 /// Whether the editor shows a layer.
 fn is_visible(layer: &Node<'_>) -> bool {
     !matches!(layer.text_of("visible"), "false" | "0")
@@ -423,7 +439,7 @@ fn is_visible(layer: &Node<'_>) -> bool {
 const MAX_PLACES: usize = 100;
 
 /// The chunks of a layer: one, or those of an infinite map.
-fn chunks<'n>(layer: &'n Node<'_>) -> Result<Vec<Chunk<'n>>, LevelError> {
+pub(super) fn chunks<'n>(layer: &'n Node<'_>) -> Result<Vec<Chunk<'n>>, LevelError> {
     let inner = layer.child("data");
     // In JSON, encoding and compression are members of the layer.
     let with = inner.filter(|data| data.get("encoding").is_some()).unwrap_or(layer);

@@ -37,7 +37,37 @@ impl Analysis {
 /// The values of an instance in words, with the kinds and names of [`Inspected::values`](super::protocol::Inspected).
 pub(super) fn bounds(program: &Program, world: WorldId, space: &ConfigurationSpace, slot: SlotId) -> Vec<Value> {
     let world = &program.worlds[world];
+    values(&program.entities[world.slots[slot].entity], world, &space.slots[slot])
+}
+
+/// The values of an instance while its active modes are the same, for each such set of modes; none if there are too many
+/// sets, or if the analysis has given up.
+pub(super) fn bounds_in_modes(
+    program: &Program,
+    world: WorldId,
+    space: &ConfigurationSpace,
+    slot: SlotId,
+) -> Vec<BoundsInModes> {
+    let world = &program.worlds[world];
     let (entity, of) = (&program.entities[world.slots[slot].entity], &space.slots[slot]);
+    let mut sets: BTreeMap<Vec<usize>, Vec<Configuration>> = BTreeMap::new();
+    for configuration in of.configurations.iter().filter(|_| !of.is_given_up) {
+        let leaves = configuration.leaves.iter().filter_map(|leaf| entity.leaves.get(*leaf));
+        let mut modes: Vec<usize> = leaves.flat_map(|leaf| &leaf.path).map(|mode| mode.index()).collect();
+        modes.sort_unstable();
+        sets.entry(modes).or_default().push(configuration.clone());
+    }
+    if sets.len() > MAX_SETS {
+        return Vec::new();
+    }
+    let of_set = |(modes, configurations): (Vec<usize>, Vec<Configuration>)| {
+        let own = SlotSpace { configurations, ..of.clone_without() };
+        BoundsInModes { modes, values: values(entity, world, &own).into_iter().map(|value| value.value).collect() }
+    };
+    sets.into_iter().map(of_set).collect()
+}
+
+fn values(entity: &Entity, world: &World, of: &SlotSpace) -> Vec<Value> {
     let value = |kind: &str, name: String, value: String| Value { kind: kind.into(), name, value };
     let mut all = Vec::new();
     for var in entity.vars.ids() {

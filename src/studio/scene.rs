@@ -150,7 +150,9 @@ fn map_info(sim: &Simulator, space: SpaceId, map: &TileMap<TagId>) -> MapInfo {
         rows: map.rows,
         tile: [map.tile.0, map.tile.1],
         // Told by the text.
-        is_painted: false,
+        brushes: Vec::new(),
+        unpainted: None,
+        is_drawn_by_rules: false,
         kinds: map.kinds.iter().map(kind).collect(),
         cells,
         art: sim.program().looks.of_map(sim.world_id(), space).map(|look| art(look, map.columns)),

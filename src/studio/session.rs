@@ -14,7 +14,7 @@ use crate::source::{Files, SourceMap};
 use super::bounds::{Analysis, bounds};
 use super::history::{History, MAX_LENGTH};
 use super::inspect::inspect;
-use super::paint::Written;
+use super::paint::{Redrawn, Written};
 use super::project::{Level, Project, findings};
 use super::protocol::{Answer, Finding, Opened, Request, Scene, Target};
 use super::scene::scene;
@@ -56,6 +56,8 @@ pub struct Session {
     /// Whether the state goes on after a change, not the inputs.
     keeps_state: bool,
     worlds: Vec<String>,
+    /// The cells that a level editor's rules will draw anew.
+    redrawn: Redrawn,
     /// The texts of files before the last changes, the latest last; none of a file that was as on the disk.
     undone: Vec<(PathBuf, Option<String>)>,
 }
@@ -86,6 +88,7 @@ impl Session {
             is_current: false,
             keeps_state: false,
             worlds: Vec::new(),
+            redrawn: Redrawn::default(),
             undone: Vec::new(),
         }
     }
@@ -284,33 +287,40 @@ impl Session {
         self.undone.push((path.to_path_buf(), self.project.edited(path).cloned()));
     }
 
-    /// Replaces the character of a cell in the text.
+    /// Replaces the character or the number of a cell in the text.
     fn paint(&mut self, space: usize, cell: usize, symbol: &str) -> Result<(), String> {
         let game = self.game()?;
         let world = game.world();
         let of = world.spaces.iter().nth(space).ok_or("there is no such space")?;
         let map = of.map.as_ref().ok_or("the space has no map")?;
-        if !map.kinds.iter().any(|kind| symbol.chars().eq([kind.symbol])) {
+        let info = game.scene.spaces.get(space).and_then(|space| space.map.as_ref()).ok_or("the space has no map")?;
+        if let Some(why) = &info.unpainted {
+            return Err(why.clone());
+        }
+        if !info.brushes.iter().any(|brush| brush.symbol == symbol) {
             return Err(format!("`{symbol}` is no tile of the map"));
         }
         let (column, row) = (cell % map.columns.max(1), cell / map.columns.max(1));
-        let (world, space) = (world.name.clone(), of.name.clone());
+        let drawn = Redrawn::now(&game.scene, space, cell);
+        let (world, place, space) = (world.name.clone(), (space, cell), of.name.clone());
         for is_adjusted in [true, false] {
             let files = self.project.files(is_adjusted);
             let written = Written::read(&self.project.root, self.project.level_path(), &files);
-            let found = written.cell(&world, &space, column, row);
-            let found = found.and_then(|(path, span)| Some((path, written.replaced(span, symbol)?)));
+            let found = written.stroke((&world, &space), (column, row), symbol);
+            let found = found.and_then(|(path, span, by)| Some((path, written.replaced(span, &by)?)));
             drop(files);
-            let (path, text) = found.ok_or("the map is not written in characters")?;
+            let (path, text) = found.ok_or("the cell is not in the text of the map")?;
             match is_adjusted {
                 true if self.project.adjusted(&path).is_some() => self.project.adjust(path, text),
                 true => {}
+                false if self.project.files(false).read(&path).ok().as_ref() == Some(&text) => {}
                 false => {
                     self.note_change(&path);
                     self.project.write(path, text);
                 }
             }
         }
+        self.redrawn.note(&world, place, drawn);
         Ok(())
     }
 
@@ -352,6 +362,7 @@ impl Session {
                     }
                 }
             }
+            self.redrawn.hide(&mut game.scene);
             self.game = Some(game);
         }
         Ok(self.opened(ghost, lost))

@@ -47,6 +47,17 @@ export interface Atom {
   text: string;
 }
 
+export interface BrushInfo {
+  /** The kind of tile that it is, if the map has one with its tags. */
+  kind: number | null;
+  /** What it is, in a few words. */
+  label: string;
+  /** Its tile in the level editor: a part of a picture of [`MapInfo::art`]. */
+  picture: TilePicture | null;
+  /** How [`Request::Paint`](super::Request::Paint) names it: a character, or a tile of a level editor. */
+  symbol: string;
+}
+
 export interface ColliderInfo {
   /** Whether it is a circle (its box is a square). */
   is_round: boolean;
@@ -175,18 +186,22 @@ export interface MapArt {
 export interface MapInfo {
   /** What the cells show in the level editor that the map was made with, if that is known. */
   art: MapArt | null;
+  /** What its cells can be painted with. */
+  brushes: BrushInfo[];
   /** For each cell, from the upper left one row by row, its kind, or -1. */
   cells: number[];
   /** Number of columns. */
   columns: number;
-  /** Whether its cells are characters that can be painted. */
-  is_painted: boolean;
+  /** Whether the level editor draws cells by rules: it draws a cell that is painted here when it saves the level. */
+  is_drawn_by_rules: boolean;
   /** The kinds of tiles. */
   kinds: TileInfo[];
   /** Number of rows. */
   rows: number;
   /** Width and height of a tile, px. */
   tile: [number, number];
+  /** Why a map of a level editor is not painted. */
+  unpainted: string | null;
 }
 
 export interface Opened {

@@ -106,13 +106,13 @@ pub enum Request {
         /// Its text; the file on the disk is read again if there is none.
         text: Option<String>,
     },
-    /// Paints a cell of a map: replaces its character in the text, and plays the inputs of the history again.
+    /// Paints a cell of a map: replaces its character or its number in the text, and plays the inputs of the history again.
     Paint {
         /// The space.
         space: usize,
         /// The cell, as in [`MapInfo::cells`].
         cell: usize,
-        /// The new character.
+        /// What it is painted with: [`BrushInfo::symbol`].
         symbol: String,
     },
     /// Takes back the last [`Request::Paint`] or [`Request::Write`].

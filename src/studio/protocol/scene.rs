@@ -111,8 +111,12 @@ pub struct MapInfo {
     pub rows: usize,
     /// Width and height of a tile, px.
     pub tile: [f64; 2],
-    /// Whether its cells are characters that can be painted.
-    pub is_painted: bool,
+    /// What its cells can be painted with.
+    pub brushes: Vec<BrushInfo>,
+    /// Why a map of a level editor is not painted.
+    pub unpainted: Option<String>,
+    /// Whether the level editor draws cells by rules: it draws a cell that is painted here when it saves the level.
+    pub is_drawn_by_rules: bool,
     /// The kinds of tiles.
     pub kinds: Vec<TileInfo>,
     /// For each cell, from the upper left one row by row, its kind, or -1.
@@ -133,6 +137,20 @@ pub struct MapArt {
     pub stacks: Vec<Vec<u16>>,
     /// For each cell, as in [`MapInfo::cells`], its stack.
     pub cells: Vec<u16>,
+}
+
+/// What a cell of a map can be painted with.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct BrushInfo {
+    /// How [`Request::Paint`](super::Request::Paint) names it: a character, or a tile of a level editor.
+    pub symbol: String,
+    /// What it is, in a few words.
+    pub label: String,
+    /// The kind of tile that it is, if the map has one with its tags.
+    pub kind: Option<usize>,
+    /// Its tile in the level editor: a part of a picture of [`MapInfo::art`].
+    pub picture: Option<TilePicture>,
 }
 
 /// A kind of tile.

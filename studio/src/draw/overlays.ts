@@ -272,7 +272,7 @@ export class Overlays {
     context.globalAlpha = 1;
   }
 
-  /** Tops of solid tiles above which no point lies: never stood on. */
+  /** Tops of solid tiles above which no place of the search lies; the steps between two places are not looked at. */
   private drawUnvisited(context: CanvasRenderingContext2D, camera: Camera, space: number, heat: Map<number, number>): void {
     const map = this.game.scene?.spaces[space]?.map;
     if (!map) return;

@@ -46,7 +46,17 @@ export class Scenery {
     private readonly space: SpaceInfo,
     private readonly colors: Colors,
   ) {
-    this.map = space.map ?? { art: null, cells: [], columns: 0, is_painted: false, kinds: [], rows: 0, tile: [16, 16] };
+    this.map = space.map ?? {
+      art: null,
+      brushes: [],
+      cells: [],
+      columns: 0,
+      is_drawn_by_rules: false,
+      kinds: [],
+      rows: 0,
+      tile: [16, 16],
+      unpainted: null,
+    };
     const { cells, kinds } = this.map;
     const counts = kinds.map(() => 0);
     for (const cell of cells) if (cell >= 0) counts[cell] = counts[cell]! + 1;

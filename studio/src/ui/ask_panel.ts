@@ -149,7 +149,7 @@ export class AskPanel implements Panel {
     }
     if (overlays.points > 0) {
       this.result.append(
-        h("p", { class: "quiet" }, "Violet: the tree of the search and its places, darker where it was more often. Red lines: ground on which it never stood."),
+        h("p", { class: "quiet" }, "Violet: the tree of the search and its places, darker where there are more. Red lines: ground with none of them on it."),
         button("Clear the drawing", () => {
           overlays.clearHeat();
           overlays.found = [];

@@ -127,6 +127,8 @@ pub fn find_candidates(
 /// What a search from a place showed that did not arrive.
 #[derive(Debug, Clone, Copy)]
 struct Failure {
+    /// Where it began.
+    from: u32,
     /// The nodes that it could have.
     budget: u64,
     nodes: u64,
@@ -206,7 +208,8 @@ impl Search<'_> {
             let untried = (0..places.len() as u32).find(|place| places[*place as usize].tried == 0);
             let next = untried.or_else(|| {
                 let open = covered.into_keys().filter(|place| places[*place as usize].tried < MAX_WAYS);
-                open.min_by_key(|place| (places[*place as usize].tried, *place))
+                // From where searches began before what is behind them.
+                open.min_by_key(|place| (!self.failed.contains_key(place), places[*place as usize].tried, *place))
             });
             let Some(place) = next else { return };
             let tried = places[place as usize].tried;
@@ -304,7 +307,7 @@ impl Search<'_> {
             Verdict::Unreachable(_) | Verdict::NotFound | Verdict::Exhausted(_) => false,
         };
         if !self.meter.poll() {
-            self.failed.insert(place, Failure { budget, nodes, is_proven });
+            self.failed.insert(place, Failure { from: place, budget, nodes, is_proven });
         }
         Ok(nodes.max(1))
     }
@@ -314,7 +317,8 @@ impl Search<'_> {
         let mut covered = self.covered(&suspects);
         // Of what was not searched for long enough, nothing is said.
         let budget = self.budget(CHECK_PARTS[1]);
-        covered.retain(|_, failure| failure.is_proven || failure.budget >= budget);
+        let is_tried = |place: u32| self.roadmap.places[place as usize].tried >= MAX_WAYS;
+        covered.retain(|_, failure| failure.is_proven || (failure.budget >= budget && is_tried(failure.from)));
         let untried = self.roadmap.places.iter().filter(|place| place.tried == 0).count();
         let open_places = (untried + suspects.len() - covered.len()) as u64;
         let covered = self.going_on(covered);

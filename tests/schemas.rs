@@ -109,6 +109,13 @@ fn bounds_are_as_their_schema_says() {
 }
 
 #[test]
+fn stuck_places_are_as_their_schema_says() {
+    let questions = ["examples/sokoban.hyped --world First", "examples/flappy.hyped --states 1000 --nodes 2000"];
+    let all: Vec<Value> = questions.iter().map(|q| written(&format!("stuck --format json {q}"))).collect();
+    validate("stuck", &all);
+}
+
+#[test]
 fn results_are_as_their_schema_says() {
     let questions = [
         "examples/paper/test2.hyped --goal drawn --tree",

@@ -29,7 +29,7 @@ pub(in crate::cli) struct StuckArgs {
     #[arg(long, value_name = "NAME|PREDICATE")]
     pub goal: Option<String>,
     /// Maximum number of states: where there are more, nothing is proven, and places are looked for that may be stuck.
-    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub states: u64,
     /// Maximum number of nodes of that search, and again of the searches from the places that it finds.
     #[arg(long, value_name = "N", default_value_t = 400_000, value_parser = clap::value_parser!(u64).range(1..))]

@@ -227,7 +227,7 @@ fn gap_words(gap: Gap, limits: &Limits, world: &World) -> String {
             format!("a player can leave all that there is in `{space}`; `bounds` end a run there")
         }
         Gap::Fault(..) => "the program has a run-time error".to_string(),
-        Gap::Nodes => format!("there are more than {}; `--states N` gives more", limits.nodes),
+        Gap::Nodes => format!("more than `--states {}` allows", limits.nodes),
         Gap::Memory => "the memory is full; `--memory MIB` gives more".to_string(),
         Gap::Stopped => "the search was stopped".to_string(),
     }

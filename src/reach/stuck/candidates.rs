@@ -23,7 +23,7 @@ const MAX_WAYS: u32 = 1536;
 /// Number of ways from the start after which players that have never rested are taken never to rest.
 const WAYS_WITHOUT_REST: u32 = 768;
 /// The parts of all nodes that a search from a candidate has: first from all of them, then from those that are left.
-const CHECK_PARTS: [u64; 2] = [20, 4];
+const CHECK_PARTS: [u64; 2] = [40, 10];
 /// The minimum of these nodes.
 const MIN_CHECK: u64 = 4_000;
 /// Number of steps of a found path between two looks for places to rest.
@@ -118,13 +118,17 @@ pub fn find_candidates(
     if !search.explore() {
         return Ok(Err(if search.meter.is_stopped() { Unknown::Stopped } else { Unknown::NoRest }));
     }
-    search.check_all()?;
+    search.check_all(CHECK_PARTS[0])?;
+    search.try_again();
+    search.check_all(CHECK_PARTS[1])?;
     Ok(Ok(search.answer()))
 }
 
 /// What a search from a place showed that did not arrive.
 #[derive(Debug, Clone, Copy)]
 struct Failure {
+    /// Where it began.
+    from: u32,
     /// The nodes that it could have.
     budget: u64,
     nodes: u64,
@@ -172,11 +176,8 @@ impl Search<'_> {
             let untried = (0..places as u32).filter(|place| self.roadmap.places[*place as usize].tried == 0);
             // Where players have not been yet comes before what only differs otherwise.
             let next = untried.min_by_key(|place| (self.roadmap.at_same_spot(*place), *place));
-            if let Some(place) = next {
-                self.try_ways(place, FIRST_WAYS);
-            } else if !self.try_again() {
-                break;
-            }
+            let Some(place) = next else { break };
+            self.try_ways(place, FIRST_WAYS);
             if self.meter.poll() {
                 return false;
             }
@@ -197,19 +198,23 @@ impl Search<'_> {
         }
     }
 
-    /// Tries more ways from all places from which nothing arrives yet; returns whether there are any.
-    fn try_again(&mut self) -> bool {
-        let leads = self.roadmap.leading_to(|place| place.is_at_goal);
-        let is_open = |place: &u32| !leads[*place as usize] && self.roadmap.places[*place as usize].tried < MAX_WAYS;
-        let open: Vec<u32> = (0..leads.len() as u32).filter(is_open).collect();
-        for &place in &open {
-            let tried = self.roadmap.places[place as usize].tried;
-            self.try_ways(place, 3 * tried);
-            if self.meter.is_stopped() || self.rollouts.nodes >= self.limits.nodes {
-                break;
-            }
+    /// Tries more ways from the places from which a search did not arrive, and from what they find, with half as many nodes
+    /// again.
+    fn try_again(&mut self) {
+        let limit = self.rollouts.nodes + self.limits.nodes / 2;
+        while self.rollouts.nodes < limit && !self.meter.poll() {
+            let covered = self.covered(&self.suspects());
+            let places = &self.roadmap.places;
+            let untried = (0..places.len() as u32).find(|place| places[*place as usize].tried == 0);
+            let next = untried.or_else(|| {
+                let open = covered.into_keys().filter(|place| places[*place as usize].tried < MAX_WAYS);
+                // From where searches began before what is behind them.
+                open.min_by_key(|place| (!self.failed.contains_key(place), places[*place as usize].tried, *place))
+            });
+            let Some(place) = next else { return };
+            let tried = places[place as usize].tried;
+            self.try_ways(place, FIRST_WAYS.max(tried));
         }
-        !open.is_empty()
     }
 
     fn try_ways(&mut self, from: u32, count: u32) {
@@ -250,24 +255,25 @@ impl Search<'_> {
         covered
     }
 
+    /// The nodes of a search from a candidate that has a part of all.
+    fn budget(&self, part: u64) -> u64 {
+        (self.limits.nodes / part).max(MIN_CHECK)
+    }
+
     /// Searches from the suspects, those that are reached soonest first, until each is known to arrive or is behind one
-    /// from which a search did not; then again for longer.
-    fn check_all(&mut self) -> Result<(), Fault> {
-        let mut nodes = 0;
-        for part in CHECK_PARTS {
-            let budget = (self.limits.nodes / part).max(MIN_CHECK);
-            loop {
-                let suspects = self.suspects();
-                let mut covered = self.covered(&suspects);
-                covered.retain(|_, failure| failure.is_proven || failure.budget >= budget);
-                let Some(&place) = suspects.iter().find(|place| !covered.contains_key(place)) else { break };
-                if nodes >= self.limits.nodes || self.meter.poll() {
-                    return Ok(());
-                }
-                nodes += self.check(place, budget)?;
+    /// from which a search did not.
+    fn check_all(&mut self, part: u64) -> Result<(), Fault> {
+        let (budget, mut nodes) = (self.budget(part), 0);
+        loop {
+            let suspects = self.suspects();
+            let mut covered = self.covered(&suspects);
+            covered.retain(|_, failure| failure.is_proven || failure.budget >= budget);
+            let Some(&place) = suspects.iter().find(|place| !covered.contains_key(place)) else { return Ok(()) };
+            if nodes >= self.limits.nodes || self.meter.poll() {
+                return Ok(());
             }
+            nodes += self.check(place, budget)?;
         }
-        Ok(())
     }
 
     /// Searches from a place; returns the number of nodes.
@@ -301,14 +307,18 @@ impl Search<'_> {
             Verdict::Unreachable(_) | Verdict::NotFound | Verdict::Exhausted(_) => false,
         };
         if !self.meter.poll() {
-            self.failed.insert(place, Failure { budget, nodes, is_proven });
+            self.failed.insert(place, Failure { from: place, budget, nodes, is_proven });
         }
         Ok(nodes.max(1))
     }
 
     fn answer(&self) -> CandidateAnswer {
         let suspects = self.suspects();
-        let covered = self.covered(&suspects);
+        let mut covered = self.covered(&suspects);
+        // Of what was not searched for long enough, nothing is said.
+        let budget = self.budget(CHECK_PARTS[1]);
+        let is_tried = |place: u32| self.roadmap.places[place as usize].tried >= MAX_WAYS;
+        covered.retain(|_, failure| failure.is_proven || (failure.budget >= budget && is_tried(failure.from)));
         let untried = self.roadmap.places.iter().filter(|place| place.tried == 0).count();
         let open_places = (untried + suspects.len() - covered.len()) as u64;
         let covered = self.going_on(covered);

@@ -15,6 +15,8 @@ use super::super::search::Limits;
 use super::super::tree::{NodeId, Tree};
 use super::super::window::Windows;
 
+/// The number of steps that a state of the budget stands for.
+const STEPS_PER_STATE: u64 = 32;
 /// Number of states between two reports of the progress.
 const ROUND: u32 = 512;
 
@@ -29,7 +31,7 @@ pub enum Gap {
     Window(SpaceId),
     /// A run-time error, with its step (from 1).
     Fault(Fault, u64),
-    /// There are more states than nodes in the budget.
+    /// There are more states than nodes in the budget, or they have too many inputs for it.
     Nodes,
     /// The memory is full.
     Memory,
@@ -83,6 +85,8 @@ pub(super) struct Explorer<'p> {
     windows: Windows,
     controls: ControlSets,
     meter: Meter<'p>,
+    /// Number of simulated steps.
+    steps: u64,
     scratch: crate::sim::Scratch,
     work: Vec<u8>,
     graph: StateGraph,
@@ -109,6 +113,7 @@ impl<'p> Explorer<'p> {
             windows: Windows::new(problem, &starts),
             controls: ControlSets::complete().with_draws(problem),
             meter: Meter::new(watch),
+            steps: 0,
             scratch: problem.sim.scratch(),
             work: start.state.to_vec(),
             graph: StateGraph {
@@ -139,7 +144,7 @@ impl<'p> Explorer<'p> {
                     return Err(Gap::Memory);
                 }
             }
-            if self.graph.len() as u64 > limits.nodes {
+            if self.graph.len() as u64 > limits.nodes || self.steps > limits.nodes.saturating_mul(STEPS_PER_STATE) {
                 return Err(Gap::Nodes);
             }
             self.expand(at)?;
@@ -182,6 +187,7 @@ impl<'p> Explorer<'p> {
 
     /// Simulates an input of a state.
     fn step(&mut self, node: NodeId, index: usize, was_beyond: bool) -> Result<Stepped, Gap> {
+        self.steps += 1;
         let Explorer { problem, work, scratch, controls, meter, graph, .. } = self;
         work.copy_from_slice(graph.tree.state(node));
         let input = input_of(controls, graph.tree.set(node), index);

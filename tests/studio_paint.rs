@@ -189,7 +189,9 @@ fn what_is_no_number_says_how_it_becomes_one() {
     let program = format!("map tiled \"level.tmj\" {KINDS}");
     let packed = json_map(r#""AAAAAAAAAAABAAAAAQAAAAEAAAABAAAA", "encoding": "base64""#);
     let chunk = format!(r#""chunks": [{{ "x": 0, "y": 0, "width": 3, "height": 2, "data": {DATA} }}]"#);
-    let infinite = json_map(DATA).replace(&format!(r#""data": {DATA}"#), &chunk).replace(r#""type": "map","#, r#""type": "map", "infinite": true,"#);
+    let infinite = json_map(DATA)
+        .replace(&format!(r#""data": {DATA}"#), &chunk)
+        .replace(r#""type": "map","#, r#""type": "map", "infinite": true,"#);
     for (map, why) in [(packed, "`ground` are packed"), (infinite, "infinite map is not painted")] {
         let mut playing = Playing::new(&program, &[("games/level.tmj", &map)], None);
         let said = playing.map().unpainted.clone().unwrap();

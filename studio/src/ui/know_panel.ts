@@ -143,7 +143,7 @@ export class KnowPanel implements Panel {
       );
     this.values.replaceChildren(
       hasBounds && this.game.isCarried ? h("caption", { class: "quiet" }, "What values can be from the start of the world. This run goes on from a state of the program before.") : "",
-      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Name"), h("th", { scope: "col" }, "Is"), here ? h("th", { scope: "col" }, "Can be in these modes") : null, hasBounds ? h("th", { scope: "col" }, here ? "Can be at all" : "Can be") : null)),
+      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Name"), h("th", { scope: "col" }, "Is"), here ? h("th", { scope: "col" }, "Can be in these modes") : null, hasBounds ? h("th", { scope: "col" }, here ? "At all" : "Can be") : null)),
       h("tbody", {}, ...values.map(row)),
     );
   }

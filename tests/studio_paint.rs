@@ -119,8 +119,8 @@ fn a_cell_of_a_tiled_map_is_one_number() {
     let map = json_map(DATA);
     let program = format!("map tiled \"level.tmj\" {KINDS}");
     let mut playing = Playing::new(&program, &[("games/level.tmj", &map)], None);
-    // Used tiles first have the names of their layers; unused ones are offered if the program knows a name of theirs.
-    assert_eq!(playing.brushes(), ["0 empty", "5 spawn Slime", "6 lava", "0/1 ground", "0/2 ground", "1/4 water"]);
+    // Used tiles have the names of their layers; unused ones are offered if the program knows a name of theirs.
+    assert_eq!(playing.brushes(), ["0 empty", "0/1 ground", "0/2 ground", "1/4 water", "5 spawn Slime", "6 lava"]);
     let lava = playing.map().brushes.iter().find(|brush| brush.symbol == "6").unwrap();
     assert_eq!(lava.picture.as_ref().unwrap().part, [16, 16, 16, 16]);
     assert_eq!(playing.map().art.as_ref().unwrap().pictures, ["art/tiles.png"]);
@@ -177,7 +177,7 @@ fn csv_of_xml_and_tilesets_in_files_are_painted() {
     let files = [("levels/level.tmx", map), ("levels/t.tsx", tileset)];
     // The level of the command line.
     let mut playing = Playing::new("map level { ground: ground }", &files, Some("levels/level.tmx"));
-    assert_eq!(playing.brushes(), ["0 empty", "2 lava", "0/1 ground"]);
+    assert_eq!(playing.brushes(), ["0 empty", "0/1 ground", "2 lava"]);
     playing.paint(2, "2");
     assert_eq!(playing.text("levels/level.tmx"), map.replace("0,0,1,", "0,0,2,"));
     playing.paint(5, "0");
@@ -189,7 +189,9 @@ fn what_is_no_number_says_how_it_becomes_one() {
     let program = format!("map tiled \"level.tmj\" {KINDS}");
     let packed = json_map(r#""AAAAAAAAAAABAAAAAQAAAAEAAAABAAAA", "encoding": "base64""#);
     let chunk = format!(r#""chunks": [{{ "x": 0, "y": 0, "width": 3, "height": 2, "data": {DATA} }}]"#);
-    let infinite = json_map(DATA).replace(&format!(r#""data": {DATA}"#), &chunk).replace(r#""type": "map","#, r#""type": "map", "infinite": true,"#);
+    let infinite = json_map(DATA)
+        .replace(&format!(r#""data": {DATA}"#), &chunk)
+        .replace(r#""type": "map","#, r#""type": "map", "infinite": true,"#);
     for (map, why) in [(packed, "`ground` are packed"), (infinite, "infinite map is not painted")] {
         let mut playing = Playing::new(&program, &[("games/level.tmj", &map)], None);
         let said = playing.map().unpainted.clone().unwrap();
@@ -235,7 +237,7 @@ fn a_cell_of_an_integer_grid_is_one_number() {
     let kinds = "{\n Walls: ground\n Liquids: lava\n ice: ground\n}";
     let program = format!("map ldtk \"world.ldtk\" level \"Level_0\" {kinds}");
     let mut playing = Playing::new(&program, &[("games/world.ldtk", &map)], None);
-    assert_eq!(playing.brushes(), ["0 empty", "0/1 ground", "0/2 ground", "1/1 lava"]);
+    assert_eq!(playing.brushes(), ["0 empty", "0/1 ground", "1/1 lava", "0/2 ground"]);
     let stacks = |playing: &Playing| {
         let art = playing.map().art.clone().unwrap();
         art.cells.iter().map(|stack| art.stacks[usize::from(*stack)].len()).collect::<Vec<_>>()

@@ -1,16 +1,27 @@
 //! What each value of an instance can be, by the analysis: it runs beside the play, once for each program.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::analysis::wording::{number, values as worded};
-use crate::analysis::{Configuration, ConfigurationSpace, SlotSpace, Values, configuration_space};
-use crate::ir::{DiscreteId, Domain, Entity, Program, SlotId, WorldId};
+use crate::analysis::{Configuration, ConfigurationSpace, Values, configuration_space};
+use crate::ir::{DiscreteId, Domain, Entity, Id, Program, SlotId, World, WorldId};
 
-use super::protocol::Value;
+use super::protocol::{BoundsInModes, Value};
 use super::search::Task;
 
 /// Maximum number of names of a discrete variable that are listed.
 const MAX_NAMES: usize = 12;
+
+/// Maximum number of sets of active modes for which values are told.
+const MAX_SETS: usize = 200;
+
+/// Possible states of an instance.
+struct States<'s> {
+    configurations: Vec<&'s Configuration>,
+    /// Whether everything is possible.
+    is_given_up: bool,
+}
 
 /// The analysis of a world, which begins when it is first asked for.
 #[derive(Default)]
@@ -37,7 +48,9 @@ impl Analysis {
 /// The values of an instance in words, with the kinds and names of [`Inspected::values`](super::protocol::Inspected).
 pub(super) fn bounds(program: &Program, world: WorldId, space: &ConfigurationSpace, slot: SlotId) -> Vec<Value> {
     let world = &program.worlds[world];
-    values(&program.entities[world.slots[slot].entity], world, &space.slots[slot])
+    let of = &space.slots[slot];
+    let of = States { configurations: of.configurations.iter().collect(), is_given_up: of.is_given_up };
+    values(&program.entities[world.slots[slot].entity], world, &of)
 }
 
 /// The values of an instance while its active modes are the same, for each such set of modes; none if there are too many
@@ -50,24 +63,24 @@ pub(super) fn bounds_in_modes(
 ) -> Vec<BoundsInModes> {
     let world = &program.worlds[world];
     let (entity, of) = (&program.entities[world.slots[slot].entity], &space.slots[slot]);
-    let mut sets: BTreeMap<Vec<usize>, Vec<Configuration>> = BTreeMap::new();
+    let mut sets: BTreeMap<Vec<usize>, Vec<&Configuration>> = BTreeMap::new();
     for configuration in of.configurations.iter().filter(|_| !of.is_given_up) {
         let leaves = configuration.leaves.iter().filter_map(|leaf| entity.leaves.get(*leaf));
         let mut modes: Vec<usize> = leaves.flat_map(|leaf| &leaf.path).map(|mode| mode.index()).collect();
         modes.sort_unstable();
-        sets.entry(modes).or_default().push(configuration.clone());
+        sets.entry(modes).or_default().push(configuration);
     }
     if sets.len() > MAX_SETS {
         return Vec::new();
     }
-    let of_set = |(modes, configurations): (Vec<usize>, Vec<Configuration>)| {
-        let own = SlotSpace { configurations, ..of.clone_without() };
+    let of_set = |(modes, configurations)| {
+        let own = States { configurations, is_given_up: false };
         BoundsInModes { modes, values: values(entity, world, &own).into_iter().map(|value| value.value).collect() }
     };
     sets.into_iter().map(of_set).collect()
 }
 
-fn values(entity: &Entity, world: &World, of: &SlotSpace) -> Vec<Value> {
+fn values(entity: &Entity, world: &World, of: &States<'_>) -> Vec<Value> {
     let value = |kind: &str, name: String, value: String| Value { kind: kind.into(), name, value };
     let mut all = Vec::new();
     for var in entity.vars.ids() {
@@ -93,11 +106,11 @@ fn values(entity: &Entity, world: &World, of: &SlotSpace) -> Vec<Value> {
     all
 }
 
-fn joined(space: &SlotSpace, of: impl Fn(&Configuration) -> Values) -> Values {
+fn joined(space: &States<'_>, of: impl Fn(&Configuration) -> Values) -> Values {
     Values::any(space.configurations.iter().flat_map(|c| of(c).intervals().to_vec()))
 }
 
-fn text(space: &SlotSpace, values: &Values) -> String {
+fn text(space: &States<'_>, values: &Values) -> String {
     match () {
         () if space.is_given_up => "any (too large to analyse)".to_string(),
         () if space.configurations.is_empty() => "never there".to_string(),

@@ -83,13 +83,16 @@ impl<'l> Written<'l> {
                         let is_said = edited.kinds.iter().any(|kind| kind.name.text == name.as_str());
                         is_said || self.is_entity(name) || scene.tags.contains(name)
                     };
-                    let worth = canvas
-                        .brushes
-                        .iter()
-                        .filter(|brush| brush.names.is_empty() || brush.is_used || brush.names.iter().any(is_known));
-                    let brushes = worth.take(MAX_BRUSHES);
-                    info.brushes =
-                        brushes.map(|brush| self.brush(brush, &edited, info, (&scene.tags, &folder))).collect();
+                    let is_worth =
+                        |brush: &&Brush| brush.names.is_empty() || brush.is_used || brush.names.iter().any(is_known);
+                    let mut brushes: Vec<&Brush> = canvas.brushes.iter().filter(is_worth).collect();
+                    // The empty one, those that the map has, the others.
+                    brushes.sort_by_key(|brush| (!brush.names.is_empty(), !brush.is_used));
+                    brushes.truncate(MAX_BRUSHES);
+                    info.brushes = brushes
+                        .into_iter()
+                        .map(|brush| self.brush(brush, &edited, info, (&scene.tags, &folder)))
+                        .collect();
                     info.is_drawn_by_rules = edited.format == Format::Ldtk;
                 }
                 Err(why) => info.unpainted = Some(why),

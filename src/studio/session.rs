@@ -11,7 +11,7 @@ use crate::reach;
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::{Files, SourceMap};
 
-use super::bounds::{Analysis, bounds};
+use super::bounds::{Analysis, bounds, bounds_in_modes};
 use super::history::{History, MAX_LENGTH};
 use super::inspect::inspect;
 use super::paint::{Redrawn, Written};
@@ -223,7 +223,10 @@ impl Session {
                 }
                 let space = game.analysis.result(&game.program, game.world, &*self.spawn);
                 let values = space.map(|space| bounds(&game.program, game.world, space, slot));
-                Ok(Answer::Bounds { is_ready: values.is_some(), values: values.unwrap_or_default() })
+                let in_modes = space.map(|space| bounds_in_modes(&game.program, game.world, space, slot));
+                let is_ready = values.is_some();
+                let (values, in_modes) = (values.unwrap_or_default(), in_modes.unwrap_or_default());
+                Ok(Answer::Bounds { is_ready, values, in_modes })
             }
             Request::Chart { entity } => {
                 let game = self.game()?;

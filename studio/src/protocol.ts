@@ -30,7 +30,7 @@ export type Answer =
   | ({ answer: "shown" } & Shown)
   | { answer: "predicted"; paths: [number, number, number][][] }
   | ({ answer: "inspected" } & Inspected)
-  | { answer: "bounds"; is_ready: boolean; values: Value[] }
+  | { answer: "bounds"; in_modes: BoundsInModes[]; is_ready: boolean; values: Value[] }
   | { answer: "chart"; entity: string; svg: string }
   | { answer: "text"; text: string }
   | { answer: "sliders"; sliders: Slider[] }
@@ -45,6 +45,13 @@ export interface Atom {
   sides: [number, number] | null;
   /** Its text. */
   text: string;
+}
+
+export interface BoundsInModes {
+  /** The modes, sorted: all that are active, as in [`Inspected::modes`]. */
+  modes: number[];
+  /** The values in the order of [`Answer::Bounds`](super::Answer::Bounds). */
+  values: string[];
 }
 
 export interface BrushInfo {

@@ -1,11 +1,11 @@
 // What the program says that things look like: colours and pictures, on the stage and in the legend.
 import assert from "node:assert/strict";
-import { mkdtemp, writeFile } from "node:fs/promises";
+import { mkdtemp, readFile, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { browser, open, play } from "./browser.mjs";
+import { browser, open, play, until } from "./browser.mjs";
 import { COIN, GRASS, HERO, meadow, untilColor } from "./meadow.mjs";
 import { png } from "./png.mjs";
 
@@ -47,7 +47,7 @@ test("a page gets only pictures that the program names", async (t) => {
   }
 });
 
-test("a level shows the tiles of its editor", async (t) => {
+test("a level shows the tiles of its editor, and is painted", async (t) => {
   const folder = await mkdtemp(join(tmpdir(), "studio-"));
   // Two tiles: the first is red on the left and blue on the right, the second green.
   const [RED, BLUE, GREEN] = [[200, 30, 30], [30, 30, 200], [30, 180, 60]];
@@ -83,7 +83,26 @@ world Room {
   await untilColor(page, 28, 8, RED);
   await untilColor(page, 56, 24, GREEN);
   await page.getByRole("tab", { name: "Edit" }).click();
-  await page.getByText("Maps of a level editor are not painted here").waitFor();
+  // The mirrored tile is painted over: one number of the file changes.
+  await page.locator('.paint input[value="0/2"]').check();
+  assert.equal(await page.locator(".paint .alike canvas").count(), 2, "the choice shows the tiles");
+  const spot = await page.evaluate(() => {
+    const { camera, ratio } = globalThis.studio.stage;
+    return { x: camera.toX(24) / ratio, y: camera.toY(8) / ratio };
+  });
+  await page.locator(".stage canvas").click({ position: spot });
+  await untilColor(page, 24, 8, GREEN);
+  await page.getByLabel("File", { exact: true }).selectOption({ label: "room.tmj" }).catch(() => undefined);
+  await page.getByRole("button", { name: "Save" }).click();
+  await until(page, "document.querySelector('.toasts')?.textContent.includes('saved')");
+  const before = JSON.stringify(level);
+  assert.equal(await readFile(join(folder, "room.tmj"), "utf8"), before.replace(String(mirrored), "2"));
+  // What the map cannot be painted for is said.
+  const packed = JSON.stringify({ ...level, layers: [{ ...level.layers[0], encoding: "base64", data: "" }] });
+  const bytes = Buffer.alloc(48);
+  level.layers[0].data.forEach((number, at) => bytes.writeUInt32LE(number, 4 * at));
+  await writeFile(join(folder, "room.tmj"), packed.replace('"data":""', `"data":"${bytes.toString("base64")}"`));
+  await page.getByText("The tiles of the layer `ground` are packed").waitFor();
   // A level that is saved in its editor is shown at once.
   level.layers[0].data[0] = 2;
   await writeFile(join(folder, "room.tmj"), JSON.stringify(level));

@@ -25,6 +25,16 @@ pub struct Slider {
     pub place: Place,
 }
 
+/// What the values of an instance can be while certain modes are active.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct BoundsInModes {
+    /// The modes, sorted: all that are active, as in [`Inspected::modes`].
+    pub modes: Vec<usize>,
+    /// The values in the order of [`Answer::Bounds`](super::Answer::Bounds).
+    pub values: Vec<String>,
+}
+
 /// How far a search is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]

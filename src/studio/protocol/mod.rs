@@ -186,6 +186,8 @@ pub enum Answer {
         is_ready: bool,
         /// The values, with kinds and names as in [`Inspected::values`].
         values: Vec<Value>,
+        /// The values while certain modes are active, for each set of modes that can be.
+        in_modes: Vec<BoundsInModes>,
     },
     /// A statechart.
     Chart {

@@ -10,6 +10,9 @@ import type { Panel } from "./sidebar.ts";
 /** Time between two questions while time passes, ms. */
 const PAUSE = 120;
 
+/** A set of modes as a key. */
+const modesKey = (modes: number[]): string => [...modes].sort((a, b) => a - b).join();
+
 export class KnowPanel implements Panel {
   readonly id = "know";
   readonly title = "Know";
@@ -22,6 +25,8 @@ export class KnowPanel implements Panel {
   private readonly chart = h("div", { class: "chart", tabindex: 0, role: "region", "aria-label": "Statechart" });
   private readonly edges = h("div", { class: "edges" });
   private readonly bounds = new Map<string, string>();
+  /** For each set of modes that can be active together, what values can be then. */
+  private readonly boundsInModes = new Map<string, Map<string, string>>();
   private readonly boundsButton = button("Show what each value can be", () => void this.askBounds(), "small");
   private chartOf = "";
   private isShown = false;
@@ -49,6 +54,7 @@ export class KnowPanel implements Panel {
     game.onScene.on((scene) => {
       this.chartOf = "";
       this.bounds.clear();
+      this.boundsInModes.clear();
       this.boundsButton.hidden = false;
       this.choice.replaceChildren(...scene.slots.map((slot, at) => h("option", { value: at }, slot.name)));
       if (stage.selected === null || stage.selected >= scene.slots.length) stage.selected = null;
@@ -114,15 +120,17 @@ export class KnowPanel implements Panel {
     // Modes inside of active modes say their outer ones.
     const inner = active.filter((path) => !active.some((other) => other.startsWith(`${path}.`)));
     this.modes.replaceChildren(...inner.map((path) => h("li", { class: "chip mode" }, path)));
-    this.renderValues(of.values);
+    this.renderValues(of.values, of.is_alive ? modesKey(of.modes) : "");
     this.contacts.replaceChildren(
       ...(of.contacts.length > 0 ? of.contacts.map(({ text, side }) => h("li", { class: "chip" }, side && !text.includes(side) ? `${text} (${side})` : text)) : [h("li", { class: "quiet" }, "nothing")]),
     );
     this.renderEdges(of.edges, entity.modes);
   }
 
-  private renderValues(values: Value[]): void {
+  private renderValues(values: Value[], modes: string): void {
     const hasBounds = this.bounds.size > 0;
+    // With one set of modes alone, both columns would be the same.
+    const here = this.boundsInModes.size > 1 ? this.boundsInModes.get(modes) : undefined;
     const names: Record<string, string> = { variable: "", discrete: "", timer: "time in ", reference: "", parameter: "" };
     const row = (value: Value): HTMLElement =>
       h(
@@ -130,11 +138,12 @@ export class KnowPanel implements Panel {
         { class: value.kind },
         h("th", { scope: "row" }, `${names[value.kind] ?? ""}${value.name}`),
         h("td", {}, value.value),
+        here ? h("td", { class: "can-be" }, here.get(`${value.kind} ${value.name}`) ?? "") : null,
         hasBounds ? h("td", { class: "can-be" }, this.bounds.get(`${value.kind} ${value.name}`) ?? "") : null,
       );
     this.values.replaceChildren(
       hasBounds && this.game.isCarried ? h("caption", { class: "quiet" }, "What values can be from the start of the world. This run goes on from a state of the program before.") : "",
-      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Name"), h("th", { scope: "col" }, "Is"), hasBounds ? h("th", { scope: "col" }, "Can be") : null)),
+      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Name"), h("th", { scope: "col" }, "Is"), here ? h("th", { scope: "col" }, "Can be in these modes") : null, hasBounds ? h("th", { scope: "col" }, here ? "At all" : "Can be") : null)),
       h("tbody", {}, ...values.map(row)),
     );
   }
@@ -205,7 +214,12 @@ export class KnowPanel implements Panel {
         if (this.game.scene !== scene) break;
         if (answer.is_ready) {
           this.bounds.clear();
-          for (const of of answer.values) this.bounds.set(`${of.kind} ${of.name}`, of.value);
+          this.boundsInModes.clear();
+          const names = answer.values.map((of) => `${of.kind} ${of.name}`);
+          answer.values.forEach((of, at) => this.bounds.set(names[at]!, of.value));
+          for (const { modes, values } of answer.in_modes) {
+            this.boundsInModes.set(modesKey(modes), new Map(values.map((value, at) => [names[at]!, value])));
+          }
           this.boundsFor = this.slot();
           break;
         }
@@ -226,6 +240,7 @@ export class KnowPanel implements Panel {
   private checkBounds(): void {
     if (this.boundsFor >= 0 && this.boundsFor !== this.slot()) {
       this.bounds.clear();
+      this.boundsInModes.clear();
       this.boundsFor = -1;
       this.boundsButton.hidden = false;
     }

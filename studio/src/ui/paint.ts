@@ -84,7 +84,8 @@ export class Paint implements Painter {
       text.push("Choose a tile and paint into the level with the mouse.");
       const isNumber = ({ brush, map }: Choice): boolean => map.kinds[brush.kind ?? -1]?.symbol !== brush.symbol;
       if (all.some((of) => !isNumber(of))) text.push("Each cell is one character of the map in the text.");
-      if (all.some(isNumber)) text.push("Each cell is one number in the file of the level editor; a mirrored tile is replaced as a whole.");
+      if (all.some(isNumber)) text.push("Each cell is one number in the file of the level editor.");
+      if (all.some((of) => isNumber(of) && !of.map.is_drawn_by_rules)) text.push("A mirrored tile is replaced as a whole.");
       if (maps.some((map) => map.is_drawn_by_rules)) text.push("LDtk draws the tiles of its rules when it next saves the level.");
     }
     return [...text, ...new Set(maps.flatMap((map) => map.unpainted ?? []))].join(" ");

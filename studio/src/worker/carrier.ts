@@ -84,7 +84,7 @@ class Analysis {
   }
 
   async ask(request: Request): Promise<Answer> {
-    if (!this.isReady) return { answer: "bounds", is_ready: false, values: [] };
+    if (!this.isReady) return { answer: "bounds", is_ready: false, values: [], in_modes: [] };
     return JSON.parse(await this.worker.ask(request)) as Answer;
   }
 

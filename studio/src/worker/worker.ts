@@ -67,7 +67,9 @@ class Host {
     if (!CHANGES.has(request.ask)) return;
     const ask: Ask = (of) => JSON.parse(this.engine.ask(JSON.stringify(of))) as Answer;
     // Frames are the most frequent answers: only those with the state of the text are read.
-    const read = answer.startsWith('{"answer":"shown"') ? ({ answer: "done" } as Answer) : (JSON.parse(answer) as Answer);
+    const isFrame = request.ask === "play" || request.ask === "seek";
+    const isRead = !isFrame || !answer.startsWith('{"answer":"shown"');
+    const read = isRead ? (JSON.parse(answer) as Answer) : ({ answer: "done" } as Answer);
     this.ledger.note(request, read, ask);
   }
 

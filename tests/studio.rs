@@ -417,6 +417,20 @@ fn a_search_starts_from_the_frame_that_is_shown() {
 }
 
 #[test]
+fn a_place_is_searched_in_its_own_space() {
+    let mut session = session_of(Path::new("examples/link.hyped"));
+    let first = opened(session.answer(Request::Open { world: None })).shown.unwrap().frame;
+    let (x, y) = (first.bodies[2], first.bodies[3]);
+    for (space, expected) in [(0.0, "reached"), (1.0, "not-found")] {
+        let target = Target::Place([space, x, y]);
+        let started = session.answer(Request::Search { target, nodes: 20, seed: 1 });
+        assert!(matches!(started, Answer::Searching(_)), "{started:?}");
+        let found = searched(session.answer(Request::Poll));
+        assert_eq!(found.conclusion.as_deref(), Some(expected), "space {space}: {found:?}");
+    }
+}
+
+#[test]
 fn a_script_leads_to_the_goal_it_is_for() {
     for path in playable() {
         let inputs = path.with_extension("inputs");

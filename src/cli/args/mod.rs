@@ -46,7 +46,7 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(ReachArgs),
-    /// Finds where a player gets stuck: places that can be reached from which a goal cannot be.
+    /// Finds where a player gets stuck: places from which a goal cannot be reached.
     Stuck(StuckArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),

@@ -50,7 +50,7 @@ pub(in crate::cli) enum Command {
     Reach(ReachArgs),
     /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
-    /// Finds where a player gets stuck: places that can be reached from which a goal cannot be.
+    /// Finds where a player gets stuck: places from which a goal cannot be reached.
     Stuck(StuckArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),

@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(Detail::Full.script(long), long);
         assert_eq!(Detail::Cut(60).script("right*40 jump*12"), "right*40 jump*12");
         let cut = Detail::Cut(60).script(long);
-        assert_eq!(cut, "right*40 jump*12 right*40 … (`--verbose` shows all)");
+        assert_eq!(cut, "right*40 jump*12 right*40 jump*12 … (`--verbose` shows all)");
         assert!(cut.chars().count() <= 60);
     }
 }

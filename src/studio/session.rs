@@ -512,7 +512,8 @@ impl Game {
         let sides = [("x", *x), ("y", *y)]
             .map(|(axis, at)| format!("{name}.{axis} > {:.3} and {name}.{axis} < {:.3}", at - NEAR, at + NEAR));
         let space = world.spaces.iter().nth(*space as usize).ok_or("there is no such space")?;
-        let within = if world.spaces.len() > 1 { format!(" and inside({name}, {})", space.name) } else { String::new() };
+        let within =
+            if world.spaces.len() > 1 { format!(" and inside({name}, {})", space.name) } else { String::new() };
         Ok(format!("{}{within}", sides.join(" and ")))
     }
 

@@ -300,7 +300,8 @@ fn grids_are_as_brute_force_says() {
     assert!(counts.stuck >= 3 && counts.dead_ends == 1 && counts.doomed == 0, "{counts:?}");
     let spikes = ["###########", "#....@....#", "#.#######.#", "#.#######.#", "#G#######x#", "###########"];
     let counts = check("spikes", &grid(&spikes), 0);
-    assert!(counts.stuck == 0 && counts.doomed >= 3, "{counts:?}");
+    // In the shaft nothing can be done any more.
+    assert!(counts.stuck == 0 && counts.doomed == 2, "{counts:?}");
     let plate = ["############", "#G.g.@..p..#", "############"];
     let counts = check("plate", &grid(&plate), 0);
     assert!(counts.stuck > 5 && counts.dead_ends == 0, "{counts:?}");

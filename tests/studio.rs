@@ -421,12 +421,12 @@ fn a_place_is_searched_in_its_own_space() {
     let mut session = session_of(Path::new("examples/link.hyped"));
     let first = opened(session.answer(Request::Open { world: None })).shown.unwrap().frame;
     let (x, y) = (first.bodies[2], first.bodies[3]);
-    for (space, expected) in [(0.0, "reached"), (1.0, "not-found")] {
+    for (space, is_there) in [(0.0, true), (1.0, false)] {
         let target = Target::Place([space, x, y]);
         let started = session.answer(Request::Search { target, nodes: 20, seed: 1 });
         assert!(matches!(started, Answer::Searching(_)), "{started:?}");
         let found = searched(session.answer(Request::Poll));
-        assert_eq!(found.conclusion.as_deref(), Some(expected), "space {space}: {found:?}");
+        assert_eq!(found.script.is_some(), is_there, "space {space}: {found:?}");
     }
 }
 

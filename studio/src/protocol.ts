@@ -286,7 +286,7 @@ export interface Searching {
   budget: number;
   /** `reached`, `not_found`, `unreachable`, … */
   conclusion: string | null;
-  /** The positions of the players along it, as in [`Answer::Predicted`], from where the search began. */
+  /** The positions of the players along it, as in `Answer::Predicted`, from where the search began. */
   ghost: [number, number, number][][];
   /** Whether it still runs. */
   is_running: boolean;

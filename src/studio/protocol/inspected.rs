@@ -56,6 +56,6 @@ pub struct Searching {
     pub conclusion: Option<String>,
     /// The script that leads there from the first frame: the history up to where the search began, and what was found.
     pub script: Option<String>,
-    /// The positions of the players along it, as in [`Answer::Predicted`], from where the search began.
+    /// The positions of the players along it, as in `Answer::Predicted`, from where the search began.
     pub ghost: Vec<Vec<[f64; 3]>>,
 }

@@ -296,6 +296,11 @@ pub fn normalize(path: &Path) -> PathBuf {
     out
 }
 
+/// A text on one line, with one space between its words.
+pub fn on_one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

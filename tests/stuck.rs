@@ -334,17 +334,23 @@ fn nothing_is_claimed_where_states_are_left_out() {
 
 /// A runner that jumps 62 px high, with some geometry and things, and a goal.
 fn platforms(things: &str, entities: &str, goal: &str) -> Arc<Program> {
+    platforms_from((40, ""), things, entities, goal)
+}
+
+/// As [`platforms`], with the x at which the runner begins, and another line of the world.
+fn platforms_from((x, line): (i32, &str), things: &str, entities: &str, goal: &str) -> Arc<Program> {
     let runner = std::fs::read_to_string("tests/verdicts/parts/runner.hyped").unwrap();
     program(compile_text(&format!(
         "{runner}\n{entities}
 world W {{
     step 1/64
     collide body with floor: block
+    {line}
     space main {{
         bounds rect(0, 0, 480, 320)
         rect floor (0, 0, 8, 320)
         rect floor (472, 0, 8, 320)
-        place hero: Runner at (40, 160)
+        place hero: Runner at ({x}, 160)
         {things}
     }}
     player 1: hero
@@ -426,34 +432,12 @@ fn a_room_whose_door_closes_is_found() {
 }";
     let things = floor(&[]) + "rect floor (300, 224, 172, 8)\nplace trap: Trap at (120, 160)\n";
     let things = things.replace("place trap", "rect floor (8, 224, 112, 96)\nplace trap");
-    let program = program_with_wire(&things, trap);
+    // The hero begins on the right of the trap.
+    let program = platforms_from((200, "collide player with wire: sense"), &things, trap, "hero.x > 400");
     let found = candidates(&program, NODES, 1).unwrap();
     let at = places(&program, &found);
     assert!(matches!(at.as_slice(), [(x, 160.0)] if *x < 120.0), "{at:?}");
     assert!(found.candidates[0].changes.iter().any(|change| change.contains("trap")), "{found:?}");
-}
-
-/// The hero begins on the right of the trap.
-fn program_with_wire(things: &str, entities: &str) -> Arc<Program> {
-    let runner = std::fs::read_to_string("tests/verdicts/parts/runner.hyped").unwrap();
-    program(compile_text(&format!(
-        "{runner}\n{entities}
-world W {{
-    step 1/64
-    collide body with floor: block
-    collide player with wire: sense
-    space main {{
-        bounds rect(0, 0, 480, 320)
-        rect floor (0, 0, 8, 320)
-        rect floor (472, 0, 8, 320)
-        place hero: Runner at (200, 160)
-        {things}
-    }}
-    player 1: hero
-    goal out: hero.x > 400
-}}
-"
-    )))
 }
 
 #[test]

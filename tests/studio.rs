@@ -15,7 +15,7 @@ use rand_pcg::Pcg64;
 
 use crate::support::{Disk, Text, files, program, script_of};
 
-fn session_of(path: &Path) -> Session {
+pub fn session_of(path: &Path) -> Session {
     Session::new(Box::new(Disk), path.to_path_buf(), Level::default(), Box::new(|task| task()))
 }
 
@@ -24,17 +24,17 @@ fn session_with(text: &'static str) -> Session {
     Session::new(Box::new(Text(text)), path, Level::default(), Box::new(|task| task()))
 }
 
-fn opened(answer: Answer) -> Opened {
+pub fn opened(answer: Answer) -> Opened {
     let Answer::Opened(opened) = answer else { panic!("{answer:?}") };
     *opened
 }
 
-fn shown(answer: Answer) -> Shown {
+pub fn shown(answer: Answer) -> Shown {
     let Answer::Shown(shown) = answer else { panic!("{answer:?}") };
     shown
 }
 
-fn inspected(answer: Answer) -> Inspected {
+pub fn inspected(answer: Answer) -> Inspected {
     let Answer::Inspected(inspected) = answer else { panic!("{answer:?}") };
     *inspected
 }

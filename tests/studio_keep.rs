@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use hypedc::compile::compile;
 use hypedc::studio::{Answer, Held, Inspected, Level, Opened, PlayerInfo, Request, Session, Shown, Target};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use crate::studio::{inspected, opened, session_of, shown};
 use crate::support::{Disk, Text, files};
 
 const GAME: &str = "entity Hero {
@@ -43,25 +44,6 @@ world Sky {
     goal far: hero.x > 1000
 }
 ";
-
-fn session_of(path: &Path) -> Session {
-    Session::new(Box::new(Disk), path.to_path_buf(), Level::default(), Box::new(|task| task()))
-}
-
-fn opened(answer: Answer) -> Opened {
-    let Answer::Opened(opened) = answer else { panic!("{answer:?}") };
-    *opened
-}
-
-fn shown(answer: Answer) -> Shown {
-    let Answer::Shown(shown) = answer else { panic!("{answer:?}") };
-    shown
-}
-
-fn inspected(answer: Answer) -> Inspected {
-    let Answer::Inspected(inspected) = answer else { panic!("{answer:?}") };
-    *inspected
-}
 
 fn edit(session: &mut Session, text: &str) -> Opened {
     opened(session.answer(Request::Edit { path: None, text: Some(text.to_string()) }))

@@ -4,10 +4,11 @@
 
 use std::path::PathBuf;
 
-use hypedc::studio::{Answer, Held, Level, Request, Session, Shown};
+use hypedc::studio::{Held, Level, Request, Session};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+use crate::studio::shown;
 use crate::support::Disk;
 
 /// Steps of a minute and of an hour.
@@ -15,11 +16,6 @@ const MINUTE: u64 = 3_600;
 const HOUR: u64 = 60 * MINUTE;
 /// Maximum number of bytes that an hour takes: states that are kept, and inputs that change five times a second.
 const MAX_BYTES: i64 = 6 << 20;
-
-fn shown(answer: Answer) -> Shown {
-    let Answer::Shown(shown) = answer else { panic!("{answer:?}") };
-    shown
-}
 
 /// Plays random inputs, each held for 12 steps, up to a number of steps. Returns the steps that there are then.
 fn played(session: &mut Session, rng: &mut Pcg64, until: u64) -> u64 {

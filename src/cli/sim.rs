@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 mod page;
@@ -13,7 +13,7 @@ use crate::compile::{Asked, Changes, ExtraQuestion, LevelFile, compile_changed, 
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
 use crate::diagnostic::{Diagnostics, similar};
-use crate::ir::{Domain, GoalId, GroupId, Id, NeverId, Origin, Program, SlotId, SpawnId, World, WorldId};
+use crate::ir::{GoalId, GroupId, Id, NeverId, Origin, Program, SlotId, SpawnId, World, WorldId};
 use crate::sim::{
     Fault, Input, Scratch, Script, Simulator, TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter,
     parse_script,
@@ -24,14 +24,14 @@ use crate::watch::{Meter, Watch};
 
 use super::Exit;
 use super::animation;
-use super::args::{SimArgs, TraceFormatName};
+use super::args::{ScriptArgs, SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::page::carried;
 use super::pictures::{self, Outcome, marks, run_svg};
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load_changed, plain_error, program_sha256, show, show_fact};
 use super::sim_sweep;
-use super::sweep::Sweep;
+use super::sweep::swept;
 use super::watches::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
@@ -40,13 +40,8 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     }
     // The arguments have a program unless they have a trace to replay.
     let file = args.file.as_deref().unwrap_or(Path::new(""));
-    match Sweep::new(&args.numbers) {
-        Ok(None) => {}
-        Ok(Some(sweep)) => return sim_sweep::run(args, file, &sweep),
-        Err(why) => {
-            plain_error(&why)?;
-            return Ok(Exit::Refused);
-        }
+    if let Some(exit) = swept(&args.numbers, |sweep| sim_sweep::run(args, file, sweep))? {
+        return Ok(exit);
     }
     let numbers = args.numbers.fixed();
     let questions = questions(args);
@@ -309,12 +304,12 @@ impl Expected {
 
 /// The requested script; reports why if there is none.
 pub(super) fn script(args: &SimArgs, loaded: &mut Loaded, world: WorldId) -> io::Result<Option<Script>> {
-    script_of((&args.inputs, &args.inputs_file), (args.frames.is_some(), "--frames N"), loaded, world)
+    script_of(&args.script, (args.frames.is_some(), "--frames N"), loaded, world)
 }
 
 /// A script from an argument or from a file; an empty one where an option gives a number of steps.
 pub(super) fn script_of(
-    (inputs, inputs_file): (&Option<String>, &Option<PathBuf>),
+    ScriptArgs { inputs, inputs_file }: &ScriptArgs,
     (has_steps, option): (bool, &str),
     loaded: &mut Loaded,
     world: WorldId,
@@ -539,15 +534,9 @@ impl<'s> Report<'s> {
                 })
                 .collect();
             let discretes = entity.discretes.pairs();
-            values.extend(discretes.map(|(d, v)| {
-                let value = layout.discrete(&self.last, d);
-                let word = match &v.domain {
-                    Domain::Int => value.to_string(),
-                    Domain::Bool => (value != 0).to_string(),
-                    Domain::Set(names) => names.get(value as usize).cloned().unwrap_or_default(),
-                };
-                format!("{} = {word}", v.name)
-            }));
+            values.extend(
+                discretes.map(|(d, v)| format!("{} = {}", v.name, v.domain.text(layout.discrete(&self.last, d)))),
+            );
             values.extend(entity.refs.pairs().map(|(r, reference)| {
                 let target = layout.reference(&self.last, r).map_or("none", |t| &world.slots[t].name);
                 format!("{} = {target}", reference.name)

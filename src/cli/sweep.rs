@@ -1,10 +1,14 @@
 //! Sweeps: one or two numbers of a program that take each of some values in turn. Commands compile and ask for each point
 //! of the grid, and show a table.
 
+use std::io;
+
 use crate::compile::NumberSetting;
 use crate::tabular::{Cell, Column};
 
+use super::Exit;
 use super::args::SetArgs;
+use super::report::plain_error;
 
 /// Maximum number of sweeps of a command, and of points of the grid.
 const MAX_AXES: usize = 2;
@@ -16,11 +20,22 @@ pub(super) struct Sweep<'a> {
     pub axes: Vec<(&'a str, &'a [String])>,
 }
 
+/// Runs a command over the grid of its arguments; none if they have no sweep.
+pub(super) fn swept(args: &SetArgs, run: impl FnOnce(&Sweep<'_>) -> io::Result<Exit>) -> io::Result<Option<Exit>> {
+    match Sweep::new(args) {
+        Ok(sweep) => sweep.map(|sweep| run(&sweep)).transpose(),
+        Err(why) => {
+            plain_error(&why)?;
+            Ok(Some(Exit::Refused))
+        }
+    }
+}
+
 impl<'a> Sweep<'a> {
     /// The grid of the arguments; none if they have no sweep.
     ///
     /// Why it is too large.
-    pub fn new(args: &'a SetArgs) -> Result<Option<Self>, String> {
+    fn new(args: &'a SetArgs) -> Result<Option<Self>, String> {
         let axes = args.sweeps();
         if axes.len() > MAX_AXES {
             return Err(format!("at most {MAX_AXES} numbers can be swept at a time, not {}", axes.len()));

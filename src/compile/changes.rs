@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, similar};
-use crate::source::{SourceMap, Span};
+use crate::source::{SourceMap, Span, on_one_line};
 use crate::syntax;
 use crate::syntax::Number;
 use crate::syntax::ast::{self, Name, Question};
@@ -72,7 +72,7 @@ pub struct Changes<'a> {
 
 /// The name under which a question is asked: a name as it is, a predicate on one line.
 pub fn question_name(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    on_one_line(text)
 }
 
 /// Whether a question must be a name, as it cannot be a predicate unless it is that of a condition.

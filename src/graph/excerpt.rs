@@ -2,7 +2,7 @@
 
 /// A text on one line, without comments.
 pub(super) fn on_one_line(text: &str) -> String {
-    without_comments(text).split_whitespace().collect::<Vec<_>>().join(" ")
+    crate::source::on_one_line(&without_comments(text))
 }
 
 /// The guard and the updates of `when GUARD -> TARGET { UPDATES }`.

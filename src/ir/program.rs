@@ -302,6 +302,19 @@ pub enum Domain {
     Set(Vec<String>),
 }
 
+impl Domain {
+    /// A value as the language writes it; empty if it is none of a set.
+    pub fn text(&self, value: i32) -> String {
+        match self {
+            Domain::Int => value.to_string(),
+            Domain::Bool => (value != 0).to_string(),
+            Domain::Set(names) => {
+                usize::try_from(value).ok().and_then(|value| names.get(value)).cloned().unwrap_or_default()
+            }
+        }
+    }
+}
+
 /// A reference to another instance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]

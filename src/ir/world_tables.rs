@@ -161,6 +161,12 @@ impl Bounds {
         Bounds { left: x, right: x + width, bottom: y, top: y + height }
     }
 
+    /// The same rectangle from a position, to which it was relative.
+    #[must_use]
+    pub fn placed(self, (x, y): (f64, f64)) -> Self {
+        Bounds { left: x + self.left, right: x + self.right, bottom: y + self.bottom, top: y + self.top }
+    }
+
     /// The smallest rectangle around both.
     #[must_use]
     pub fn join(self, other: Bounds) -> Self {

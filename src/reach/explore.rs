@@ -145,13 +145,12 @@ impl Observer for Explorer {
             let id = instance.space();
             let (covered, map) = (&mut spaces[id.index()], sim.world().spaces[id].map.as_ref());
             covered.is_entered = true;
-            let (x, y) = instance.position();
+            let position @ (x, y) = instance.position();
             let mut has_body = false;
             for (collider, b) in instance.colliders() {
                 if solid.get(collider.index()).copied().unwrap_or(false) {
                     has_body = true;
-                    let body = Bounds { left: x + b.left, right: x + b.right, bottom: y + b.bottom, top: y + b.top };
-                    covered.see(map, &body);
+                    covered.see(map, &b.placed(position));
                 }
             }
             if !has_body {
@@ -193,11 +192,7 @@ impl CoveredSpace {
                 let top = &mut self.tops[top];
                 // A body on a slope stands within its tile, at its middle.
                 let middle = (body.left + body.right) / 2.0;
-                top.is_covered |= if is_slope {
-                    (top.from..=top.to).contains(&middle)
-                } else {
-                    (body.bottom - top.y).abs() <= NEAR && body.left < top.to && body.right > top.from
-                };
+                top.is_covered |= if is_slope { (top.from..=top.to).contains(&middle) } else { stands(top) };
             }
         }
     }

@@ -146,12 +146,10 @@ impl<'a> WorldContents<'a> {
         let world = problem.sim.world();
         let placed = world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free && s.player.is_none());
         for (id, slot) in placed {
-            let (x, y) = first_position(slot);
+            let position = first_position(slot);
             let colliders = problem.sim.program().entities[slot.entity].colliders.iter();
             for body in colliders.filter_map(|collider| extent(problem, id, collider)) {
-                let Bounds { left, right, bottom, top } = body;
-                let body = Bounds { left: x + left, right: x + right, bottom: y + bottom, top: y + top };
-                self.include(slot.space, body);
+                self.include(slot.space, body.placed(position));
             }
         }
     }

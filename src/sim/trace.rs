@@ -261,14 +261,7 @@ impl<'s> TraceLines<'s> {
                 cells.extend([0, 1, 2].map(|degree| layout.var(state, var, degree).to_string()));
             }
             for (id, discrete) in entity.discretes.pairs() {
-                let value = layout.discrete(state, id);
-                cells.push(match &discrete.domain {
-                    Domain::Int => value.to_string(),
-                    Domain::Bool => (value != 0).to_string(),
-                    Domain::Set(names) => {
-                        usize::try_from(value).ok().and_then(|v| names.get(v)).cloned().unwrap_or_default()
-                    }
-                });
+                cells.push(discrete.domain.text(layout.discrete(state, id)));
             }
             let target = |r| layout.reference(state, r).map_or(String::new(), |t| world.slots[t].name.clone());
             cells.extend(entity.refs.ids().map(target));

@@ -120,14 +120,10 @@ fn text(space: &States<'_>, values: &Values) -> String {
 
 /// The values of a discrete variable by name.
 fn discrete(entity: &Entity, id: DiscreteId, values: &Values) -> String {
-    let name = |i: i64| match &entity.discretes[id].domain {
-        Domain::Int => i.to_string(),
-        Domain::Bool => (i != 0).to_string(),
-        Domain::Set(names) => usize::try_from(i).ok().and_then(|i| names.get(i)).cloned().unwrap_or_default(),
-    };
-    if matches!(entity.discretes[id].domain, Domain::Int) {
+    let domain = &entity.discretes[id].domain;
+    if matches!(domain, Domain::Int) {
         return worded(&values.hull().map_or_else(|| *values, Values::from));
     }
-    let all = values.intervals().iter().flat_map(|i| i.low as i64..=i.high as i64);
-    all.take(MAX_NAMES).map(name).collect::<Vec<_>>().join(", ")
+    let all = values.intervals().iter().flat_map(|i| i.low as i32..=i.high as i32);
+    all.take(MAX_NAMES).map(|value| domain.text(value)).collect::<Vec<_>>().join(", ")
 }

@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use crate::ir::{Domain, EdgeId, ExprId, Id, Place as Written, SlotId, Transition, Update};
 use crate::sim::{Fault, Input, Inspection, Script, Simulator};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, on_one_line};
 
 use super::record::{Atom, Contact, Place, Value};
-use super::step::{Guards, Moment, Moved, contacts, edges, inspect, on_one_line, place, shown};
+use super::step::{Guards, Moment, Moved, contacts, edges, inspect, place, shown};
 use super::whom::whom;
 
 /// Inputs of a run, and what nature draws where they leave it open.
@@ -285,9 +285,8 @@ fn writes(moment: &Moment<'_>, slot: SlotId) -> Vec<Write> {
             Written::Discrete(discrete) => {
                 let of = &entity.discretes[discrete];
                 let word = |value: f64| match &of.domain {
-                    Domain::Set(names) => names.get(value as usize).cloned().unwrap_or_default(),
-                    Domain::Bool => (value != 0.0).to_string(),
                     Domain::Int => shown(value),
+                    named => named.text(value as i32),
                 };
                 (of.name.clone(), value.map(word))
             }

@@ -1,9 +1,9 @@
 //! What is known about an instance after a step: its modes and values, and of each edge that was considered in the step,
 //! whether its guard held, part by part.
 
-use crate::ir::{Domain, EdgeId, Entity, Expr, ExprId, Id, ModeId, Program, Side, SlotId, TouchId, Transition, VarId};
+use crate::ir::{EdgeId, Entity, Expr, ExprId, Id, ModeId, Program, SlotId, TouchId, Transition, VarId};
 use crate::sim::{Input, Inspection, Instance, Simulator};
-use crate::source::{SourceMap, Span};
+use crate::source::{SourceMap, Span, on_one_line};
 
 use super::record::{Atom, Contact, EdgeState, Inspected, Place, Value};
 
@@ -74,13 +74,7 @@ fn values(instance: Instance<'_>) -> Vec<Value> {
         }
     }
     for (id, discrete) in entity.discretes.pairs() {
-        let number = instance.discrete(id);
-        let text = match &discrete.domain {
-            Domain::Set(_) => instance.discrete_name(id).unwrap_or_default().to_string(),
-            Domain::Bool => (number != 0).to_string(),
-            Domain::Int => number.to_string(),
-        };
-        all.push(value("discrete", &discrete.name, text));
+        all.push(value("discrete", &discrete.name, discrete.domain.text(instance.discrete(id))));
     }
     for (id, reference) in entity.refs.pairs() {
         let target = instance.reference(id).map_or("none", |target| target.name());
@@ -106,22 +100,12 @@ pub(super) fn contacts(moment: &Moment<'_>, slot: SlotId) -> Vec<(TouchId, Conta
     }
     let (program, entity) = (moment.sim.program(), instance.entity());
     let spans = &program.spans.entities[moment.sim.world().slots[slot].entity].touches;
-    let side = |side: Side| match side {
-        Side::Left => "left",
-        Side::Right => "right",
-        Side::Above => "above",
-        Side::Below => "below",
-    };
     let contact = |touch| {
         let text = on_one_line(moment.sources.slice(*spans.get(touch)?));
-        let side = entity.touches.get(touch)?.side.map(|of| side(of).to_string());
+        let side = entity.touches.get(touch)?.side.map(|side| side.name().to_string());
         Some((touch, Contact { text, side }))
     };
     instance.contacts().filter_map(contact).collect()
-}
-
-pub(super) fn on_one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// An edge that was considered, with the expressions of the parts of its guard.

@@ -2,7 +2,6 @@
 //! any more, for instance because it was destroyed, nothing is named.
 
 use crate::ir::{Bounds, Side, SlotId, Touch, TouchId};
-use crate::sim::Instance;
 
 use super::step::Moment;
 
@@ -18,7 +17,7 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
     let own: Vec<Bounds> = me
         .colliders()
         .filter(|(id, _)| me.entity().colliders[*id].tags.meets(mine))
-        .map(|(_, b)| placed(me, b))
+        .map(|(_, b)| b.placed(me.position()))
         .collect();
     let meets = |there: &Bounds| own.iter().any(|own| is_at(own, there, side));
     let mut named = Vec::new();
@@ -27,7 +26,8 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
             continue;
         }
         let is_other = |id| instance.entity().colliders[id].tags.iter().any(|tag| tag == other);
-        let mut there = instance.colliders().filter(|(id, _)| is_other(*id)).map(|(_, b)| placed(instance, b));
+        let mut there =
+            instance.colliders().filter(|(id, _)| is_other(*id)).map(|(_, b)| b.placed(instance.position()));
         if there.any(|b| meets(&b)) {
             named.push(format!("`{}`", instance.name()));
         }
@@ -44,8 +44,7 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
             for (row, column) in (low..=high).flat_map(|row| (left..=right).map(move |column| (row, column))) {
                 let Some(kind) = map.kind(column, row).and_then(|kind| map.kinds.get(kind)) else { continue };
                 let cell = row as usize * map.columns + column as usize;
-                let [x, y, width, height] = map.rectangle(cell);
-                let there = Bounds { left: x, right: x + width, bottom: y, top: y + height };
+                let there = Bounds::new(map.rectangle(cell));
                 let is_broken = broken.contains(&(me.space(), column as usize, row as usize));
                 // Within a slope a body is inside of the tile.
                 let side = side.filter(|_| kind.slope.is_none());
@@ -67,11 +66,6 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
         named.push(format!("{more} more"));
     }
     named
-}
-
-fn placed(instance: Instance<'_>, b: Bounds) -> Bounds {
-    let (x, y) = instance.position();
-    Bounds { left: x + b.left, right: x + b.right, bottom: y + b.bottom, top: y + b.top }
 }
 
 /// Whether something is at a side of a body, or anywhere beside or in it.

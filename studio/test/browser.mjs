@@ -72,6 +72,15 @@ export async function open(of, url, options = {}) {
   return { page, context, errors };
 }
 
+/** Serves a program and opens its page for a test. */
+export async function playing(of, t, args, options) {
+  const server = await play(...args);
+  t.after(() => server.stop());
+  const opened = await open(of, server.url, options);
+  t.after(() => opened.context.close());
+  return { ...opened, url: server.url };
+}
+
 /** A value of the game of a page. */
 export const game = (page, what) => page.evaluate(`globalThis.studio.game.${what}`);
 

@@ -6,22 +6,13 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { browser, game, open, play, root, until } from "./browser.mjs";
+import { browser, game, play, playing, root, until } from "./browser.mjs";
 
 let chromium;
 before(async () => {
   chromium = await browser();
 });
 after(() => chromium.close());
-
-/** Serves a program and opens its page for a test. */
-async function playing(t, args, options) {
-  const server = await play(...args);
-  t.after(() => server.stop());
-  const opened = await open(chromium, server.url, options);
-  t.after(() => opened.context.close());
-  return { ...opened, url: server.url };
-}
 
 /** Replaces a part of the text in the editor. */
 const edited = (page, from, to) =>
@@ -36,7 +27,7 @@ const edited = (page, from, to) =>
   );
 
 test("the state goes on after a change, and the choice is remembered", async (t) => {
-  const { page, url, errors } = await playing(t, ["examples/mario.hyped"]);
+  const { page, url, errors } = await playing(chromium, t, ["examples/mario.hyped"]);
   await page.getByRole("radio", { name: /go on from this state/ }).check();
   await page.getByRole("tab", { name: "Edit" }).click();
   await until(page, "globalThis.studio.text.editor.state.doc.length > 500");
@@ -72,7 +63,7 @@ test("the state goes on after a change, and the choice is remembered", async (t)
 });
 
 test("an edge that stays is clicked in the chart", async (t) => {
-  const { page } = await playing(t, ["examples/mario.hyped"]);
+  const { page } = await playing(chromium, t, ["examples/mario.hyped"]);
   await page.getByRole("tab", { name: "Know" }).click();
   await page.locator(".chart svg").waitFor();
   await page.evaluate("globalThis.studio.game.stepBy(1)");
@@ -89,7 +80,7 @@ test("a level of the command line is painted into its file", async (t) => {
   await cp(join(root, "examples/smb"), folder, { recursive: true });
   const level = join(folder, "mario-1-1.txt");
   const before = await readFile(level, "utf8");
-  const { page } = await playing(t, [join(folder, "smb.hyped"), "--map", level]);
+  const { page } = await playing(chromium, t, [join(folder, "smb.hyped"), "--map", level]);
   await page.getByRole("tab", { name: "Edit" }).click();
   const map = await page.evaluate(() => {
     const { columns, cells, kinds, rows, tile } = globalThis.studio.game.scene.spaces[0].map;
@@ -133,8 +124,9 @@ const withGamepads = (context) =>
     navigator.getGamepads = () => globalThis.pads;
   });
 
-test("gamepads play: sticks, crosses and buttons, each for a player", async (t) => {
-  const server = await play("examples/mario.hyped");
+/** The page of a program, opened with gamepads. */
+async function withPads(t, program) {
+  const server = await play(program);
   t.after(() => server.stop());
   const context = await chromium.newContext();
   t.after(() => context.close());
@@ -142,6 +134,11 @@ test("gamepads play: sticks, crosses and buttons, each for a player", async (t) 
   const page = await context.newPage();
   await page.goto(server.url);
   await until(page, "globalThis.studio?.game.frame");
+  return page;
+}
+
+test("gamepads play: sticks, crosses and buttons, each for a player", async (t) => {
+  const page = await withPads(t, "examples/mario.hyped");
   const held = () => page.evaluate("globalThis.studio.game.sample()");
   const set = (changes) =>
     page.evaluate((changes) => {
@@ -173,14 +170,7 @@ test("gamepads play: sticks, crosses and buttons, each for a player", async (t) 
 });
 
 test("a second gamepad is the second player's", async (t) => {
-  const server = await play("examples/pong.hyped");
-  t.after(() => server.stop());
-  const context = await chromium.newContext();
-  t.after(() => context.close());
-  await withGamepads(context);
-  const page = await context.newPage();
-  await page.goto(server.url);
-  await until(page, "globalThis.studio?.game.frame");
+  const page = await withPads(t, "examples/pong.hyped");
   const players = await game(page, "scene.players");
   assert.equal(players.length, 2);
   await page.evaluate("globalThis.pads[2].buttons[12].pressed = true");
@@ -191,7 +181,7 @@ test("a second gamepad is the second player's", async (t) => {
 
 test("two fingers steer and jump at phone width", async (t) => {
   const viewport = { width: 390, height: 780 };
-  const { page, context, errors } = await playing(t, ["examples/mario.hyped"], { viewport, hasTouch: true, isMobile: true });
+  const { page, context, errors } = await playing(chromium, t, ["examples/mario.hyped"], { viewport, hasTouch: true, isMobile: true });
   const fingers = await context.newCDPSession(page);
   const touch = (type, points) =>
     fingers.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([id, x, y]) => ({ id, x, y })) });

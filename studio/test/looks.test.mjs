@@ -5,7 +5,7 @@ import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { browser, open, play, until } from "./browser.mjs";
+import { browser, playing, until } from "./browser.mjs";
 import { COIN, GRASS, HERO, meadow, untilColor } from "./meadow.mjs";
 import { png } from "./png.mjs";
 
@@ -15,18 +15,9 @@ before(async () => {
 });
 after(() => chromium.close());
 
-/** Serves a program and opens its page for a test. */
-async function playing(t, ...args) {
-  const server = await play(...args);
-  t.after(() => server.stop());
-  const opened = await open(chromium, server.url);
-  t.after(() => opened.context.close());
-  return opened;
-}
-
 test("things look as the program says", async (t) => {
   const path = await meadow();
-  const { page, errors } = await playing(t, path);
+  const { page, errors } = await playing(chromium, t, [path]);
   await untilColor(page, 40, 24, HERO);
   await untilColor(page, 100, 8, GRASS);
   await untilColor(page, 72, 24, COIN);
@@ -38,7 +29,7 @@ test("things look as the program says", async (t) => {
 });
 
 test("a page gets only pictures that the program names", async (t) => {
-  const { page } = await playing(t, await meadow());
+  const { page } = await playing(chromium, t, [await meadow()]);
   const asked = (path) =>
     page.evaluate((path) => globalThis.studio.game.carrier.picture(path).then((of) => of.slice(0, 22), (error) => error.message), path);
   assert.equal(await asked("pictures/hero.png"), "data:image/png;base64,");
@@ -76,7 +67,7 @@ world Room {
 }
 `;
   await writeFile(join(folder, "room.hyped"), text);
-  const { page, errors } = await playing(t, join(folder, "room.hyped"));
+  const { page, errors } = await playing(chromium, t, [join(folder, "room.hyped")]);
   await untilColor(page, 4, 8, RED);
   await untilColor(page, 12, 8, BLUE);
   await untilColor(page, 20, 8, BLUE);

@@ -8,7 +8,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { PATIENCE, browser, freshPage, game, hypedc, open, play, root, until } from "./browser.mjs";
+import { PATIENCE, browser, freshPage, game, hypedc, open, play, playing, root, until } from "./browser.mjs";
 
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 let chromium;
@@ -16,15 +16,6 @@ before(async () => {
   chromium = await browser();
 });
 after(() => chromium.close());
-
-/** Serves a program and opens its page for a test. */
-async function playing(t, args, options) {
-  const server = await play(...args);
-  t.after(() => server.stop());
-  const opened = await open(chromium, server.url, options);
-  t.after(() => opened.context.close());
-  return { ...opened, url: server.url };
-}
 
 /** A copy of an example that a test may change. */
 async function copied(example) {
@@ -148,7 +139,7 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
 });
 
 test("one scrubs back, takes over, and takes that back", async (t) => {
-  const { page } = await playing(t, ["examples/mario.hyped"]);
+  const { page } = await playing(chromium, t, ["examples/mario.hyped"]);
   await page.keyboard.down("ArrowRight");
   await until(page, "globalThis.studio.game.length > 60");
   await page.keyboard.up("ArrowRight");
@@ -180,7 +171,7 @@ test("one scrubs back, takes over, and takes that back", async (t) => {
 
 test("a saved file is played within 200 ms", async (t) => {
   const path = await copied("examples/mario.hyped");
-  const { page, errors } = await playing(t, [path]);
+  const { page, errors } = await playing(chromium, t, [path]);
   await page.keyboard.down("ArrowRight");
   await until(page, "globalThis.studio.game.length > 60");
   await page.keyboard.up("ArrowRight");
@@ -219,7 +210,7 @@ test("a saved file is played within 200 ms", async (t) => {
 
 test("a slider changes the run, and only its literal is written", async (t) => {
   const path = await copied("examples/mario.hyped");
-  const { page } = await playing(t, [path]);
+  const { page } = await playing(chromium, t, [path]);
   await page.getByRole("tab", { name: "Tune" }).click();
   const slider = page.getByLabel("Mario.jump_speed", { exact: true });
   await slider.waitFor();
@@ -245,7 +236,7 @@ test("a slider changes the run, and only its literal is written", async (t) => {
 
 test("tiles are painted into the text", async (t) => {
   const path = await copied("examples/balloon.hyped");
-  const { page } = await playing(t, [path]);
+  const { page } = await playing(chromium, t, [path]);
   await page.getByRole("tab", { name: "Edit" }).click();
   await page.getByRole("radio", { name: "# rock" }).check();
   const cell = await page.evaluate(() => {
@@ -261,7 +252,7 @@ test("tiles are painted into the text", async (t) => {
 });
 
 test("what is reached from here is a path that is played", async (t) => {
-  const { page, errors } = await playing(t, ["examples/balloon.hyped"]);
+  const { page, errors } = await playing(chromium, t, ["examples/balloon.hyped"]);
   await page.getByRole("tab", { name: "Ask" }).click();
   await page.getByRole("button", { name: "Reach from here" }).click();
   await page.locator(".verdict").waitFor({ timeout: 60_000 });
@@ -282,7 +273,7 @@ test("what is reached from here is a path that is played", async (t) => {
 });
 
 test("a search draws where it is, and is stopped", async (t) => {
-  const { page } = await playing(t, ["examples/metroidvania.hyped"]);
+  const { page } = await playing(chromium, t, ["examples/metroidvania.hyped"]);
   await page.getByRole("tab", { name: "Ask" }).click();
   await page.getByRole("radio", { name: "goal relic" }).check();
   await page.getByLabel("Nodes").selectOption("500000");
@@ -297,7 +288,7 @@ test("a search draws where it is, and is stopped", async (t) => {
 });
 
 test("what is known of an instance is what is there", async (t) => {
-  const { page } = await playing(t, ["examples/balloon.hyped"]);
+  const { page } = await playing(chromium, t, ["examples/balloon.hyped"]);
   await page.getByRole("tab", { name: "Know" }).click();
   await page.locator(".chart svg").waitFor();
   await until(page, "document.querySelector('.chips')?.textContent.includes('sinking')");
@@ -320,7 +311,7 @@ test("what is known of an instance is what is there", async (t) => {
 
 test("fingers play on a phone", async (t) => {
   const viewport = { width: 390, height: 780 };
-  const { page } = await playing(t, ["examples/mario.hyped"], { viewport, hasTouch: true, isMobile: true });
+  const { page } = await playing(chromium, t, ["examples/mario.hyped"], { viewport, hasTouch: true, isMobile: true });
   const stick = await page.locator(".stick").boundingBox();
   const pad = await page.locator(".pad", { hasText: "jump" }).boundingBox();
   assert.ok(stick && pad && pad.y + pad.height < viewport.height, "the controls are in view");
@@ -379,7 +370,7 @@ test("another origin gets nothing", async (t) => {
 });
 
 test("everything is reached by the keyboard", async (t) => {
-  const { page } = await playing(t, ["examples/balloon.hyped"]);
+  const { page } = await playing(chromium, t, ["examples/balloon.hyped"]);
   const focus = () => page.evaluate(() => {
     const of = document.activeElement;
     return of?.getAttribute("aria-label") ?? of?.textContent?.trim() ?? "";
@@ -415,7 +406,7 @@ test("everything is reached by the keyboard", async (t) => {
 for (const colorScheme of ["light", "dark"]) {
   test(`axe finds nothing, ${colorScheme}`, async (t) => {
     // The page's policy allows no script from elsewhere: axe comes in by the test.
-    const { page } = await playing(t, ["examples/mario.hyped"], { colorScheme, bypassCSP: true });
+    const { page } = await playing(chromium, t, ["examples/mario.hyped"], { colorScheme, bypassCSP: true });
     await page.addScriptTag({ path: axe });
     for (const tab of ["Play", "Know", "Tune", "Ask", "Edit"]) {
       await page.getByRole("tab", { name: tab, exact: true }).click();

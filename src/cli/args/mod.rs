@@ -3,6 +3,7 @@
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
 pub(in crate::cli) mod page;
+pub(in crate::cli) mod script;
 pub(in crate::cli) mod set;
 pub(in crate::cli) mod why;
 
@@ -15,6 +16,7 @@ use crate::reach::{Planner, Restart};
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
 pub(in crate::cli) use page::PageArgs;
+pub(in crate::cli) use script::ScriptArgs;
 pub(in crate::cli) use set::SetArgs;
 pub(in crate::cli) use why::WhyArgs;
 
@@ -231,12 +233,8 @@ pub(in crate::cli) struct SimArgs {
     pub world: Option<String>,
     #[command(flatten)]
     pub numbers: SetArgs,
-    /// An input script.
-    #[arg(long, value_name = "SCRIPT", conflicts_with = "inputs_file", allow_hyphen_values = true)]
-    pub inputs: Option<String>,
-    /// A file that holds an input script.
-    #[arg(long, value_name = "PATH")]
-    pub inputs_file: Option<PathBuf>,
+    #[command(flatten)]
+    pub script: ScriptArgs,
     /// The number of steps to run; a longer script is cut, after a shorter one there is no input.
     #[arg(long, value_name = "N")]
     pub frames: Option<u64>,

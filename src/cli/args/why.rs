@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{LevelArgs, ResultFormat, SetArgs, chance_seed};
+use super::{LevelArgs, ResultFormat, ScriptArgs, SetArgs, chance_seed};
 
 #[derive(Debug, Args)]
 #[command(
@@ -25,12 +25,8 @@ pub(in crate::cli) struct WhyArgs {
     pub world: Option<String>,
     #[command(flatten)]
     pub numbers: SetArgs,
-    /// An input script.
-    #[arg(long, value_name = "SCRIPT", conflicts_with = "inputs_file", allow_hyphen_values = true)]
-    pub inputs: Option<String>,
-    /// A file that holds an input script.
-    #[arg(long, value_name = "PATH")]
-    pub inputs_file: Option<PathBuf>,
+    #[command(flatten)]
+    pub script: ScriptArgs,
     /// The seed of what nature draws where the script leaves it open: `seed=7` [default: seed=0].
     #[arg(long, value_name = "seed=N", value_parser = chance_seed)]
     pub chance: Option<u64>,

@@ -21,8 +21,8 @@ use crate::watch::Unwatched;
 
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
-use crate::cli::report::{Loaded, choose_world, load_changed, plain_error};
-use crate::cli::sweep::Sweep;
+use crate::cli::report::{Loaded, choose_world, load_changed};
+use crate::cli::sweep::swept;
 use table::write_table;
 
 /// The version of the JSON result.
@@ -103,13 +103,8 @@ impl<'a> WorldBounds<'a> {
 }
 
 pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
-    match Sweep::new(&args.numbers) {
-        Ok(None) => {}
-        Ok(Some(sweep)) => return sweep::run(args, &sweep),
-        Err(why) => {
-            plain_error(&why)?;
-            return Ok(Exit::Refused);
-        }
+    if let Some(exit) = swept(&args.numbers, |sweep| sweep::run(args, sweep))? {
+        return Ok(exit);
     }
     let numbers = args.numbers.fixed();
     let changes = Changes { numbers: &numbers, ..Changes::default() };

@@ -34,7 +34,7 @@ use crate::cli::page::{Way, carried};
 use crate::cli::pictures::images;
 use crate::cli::play::export::Carried;
 use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, show_fact};
-use crate::cli::sweep::Sweep;
+use crate::cli::sweep::swept;
 use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
 use page::{report, violations, way};
@@ -44,13 +44,8 @@ use result::RunResult;
 use text::{Detail, Shown, answer_text};
 
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
-    match Sweep::new(&args.numbers) {
-        Ok(None) => {}
-        Ok(Some(sweep)) => return sweep::run(args, &sweep),
-        Err(why) => {
-            plain_error(&why)?;
-            return Ok(Exit::Refused);
-        }
+    if let Some(exit) = swept(&args.numbers, |sweep| sweep::run(args, sweep))? {
+        return Ok(exit);
     }
     let level = args.reading.of(args.map.first().map(AsRef::as_ref));
     let Some(mut loaded) = load_changed(&args.file, level, &ReachChanges::new(args).changes())? else {

@@ -189,7 +189,7 @@ fn add_exact(result: &mut StuckResult, exact: ExactAnswer, sim: &Simulator) -> D
         _ => StuckVerdict::Stuck,
     };
     result.reads_between = exact.reads_between;
-    result.states = Some(exact.counts.into());
+    result.states = Some(exact.counts);
     result.places = exact.places as u64;
     let record = |way| WayResult::exact(way, !exact.reads_between, sim.program(), sim.world_id());
     result.ways = exact.ways.iter().map(record).collect();

@@ -49,7 +49,7 @@ pub(super) struct StuckResult {
     /// Whether axes between -1, 0 and 1, which are not tried, can make a difference: then nothing is proven.
     pub reads_between: bool,
     /// The numbers of states; null if not all were visited.
-    pub states: Option<StatesResult>,
+    pub states: Option<StateCounts>,
     /// Why not all states were visited; null if they were.
     pub not_all_states: Option<String>,
     /// Why nothing can be said; null if something can.
@@ -64,30 +64,6 @@ pub(super) struct StuckResult {
     pub ways: Vec<WayResult>,
     /// The duration of all searches, s.
     pub seconds: f64,
-}
-
-/// The numbers of states.
-#[derive(Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub(super) struct StatesResult {
-    /// All states that can be reached before a run is over, up to those in which the goal holds.
-    pub all: u64,
-    /// Those in which the goal holds.
-    pub goals: u64,
-    /// Those from which the goal can be reached, the goals included.
-    pub arriving: u64,
-    /// Those from which it cannot, while the run can go on for ever.
-    pub stuck: u64,
-    /// The stuck ones in which no input changes anything.
-    pub dead_ends: u64,
-    /// Those from which it cannot, as all inputs end the run.
-    pub doomed: u64,
-}
-
-impl From<StateCounts> for StatesResult {
-    fn from(StateCounts { all, goals, arriving, stuck, dead_ends, doomed }: StateCounts) -> Self {
-        StatesResult { all, goals, arriving, stuck, dead_ends, doomed }
-    }
 }
 
 /// A way into a place from which the goal cannot be reached.

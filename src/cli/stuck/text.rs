@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::result::{StatesResult, StuckResult, StuckVerdict, WayResult};
+use super::result::{StuckResult, StuckVerdict, WayResult};
 use crate::cli::reach::counted;
+use crate::reach::stuck::StateCounts;
 
 /// Maximum number of ways that the text shows.
 const MAX_SHOWN: usize = 8;
@@ -56,7 +57,7 @@ pub(super) fn summary(result: &StuckResult) -> String {
 }
 
 /// How many states there are of each fate.
-fn states(states: &StatesResult) -> String {
+fn states(states: &StateCounts) -> String {
     let mut parts = vec![format!("goal can be reached from {} of {}", grouped(states.arriving), grouped(states.all))];
     if states.stuck > 0 {
         let mut stuck = format!("{} {} stuck", grouped(states.stuck), if states.stuck == 1 { "is" } else { "are" });

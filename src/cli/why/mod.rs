@@ -64,7 +64,7 @@ pub(super) fn run(args: &WhyArgs) -> io::Result<Exit> {
     let Some(mut loaded) = load_changed(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
     let steps = (args.at.is_some(), "--at STEP");
-    let Some(script) = script_of((&args.inputs, &args.inputs_file), steps, &mut loaded, world)? else {
+    let Some(script) = script_of(&args.script, steps, &mut loaded, world)? else {
         return Ok(Exit::Refused);
     };
     let asked = slot(args, &loaded, world).and_then(|slot| Ok((slot, asked(args, &loaded, world, slot)?)));

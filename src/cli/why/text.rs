@@ -1,5 +1,6 @@
 //! The answers of `hypedc why` as text for people.
 
+use crate::analysis::wording::number;
 use crate::why::{Atom, AtomSince, EdgeWhy, Nearly, NearlyEdge, Place, Why, Write};
 
 /// Maximum width of a line of values.
@@ -44,16 +45,9 @@ fn line(place: Option<&Place>) -> String {
     place.map_or(String::new(), |place| format!("{}:{}", place.path, place.line))
 }
 
-/// A number as people read it.
-fn shown(number: f64) -> String {
-    let text = format!("{number:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_string() } else { text.to_string() }
-}
-
 /// `12.5 and 20`: the sides of a comparison, unless both are written as numbers anyway.
 fn sides(atom: &Atom) -> String {
-    atom.sides.map_or(String::new(), |[a, b]| format!(": {} and {}", shown(a), shown(b)))
+    atom.sides.map_or(String::new(), |[a, b]| format!(": {} and {}", number(a), number(b)))
 }
 
 /// Words in lines of limited width under a heading.
@@ -203,7 +197,7 @@ pub(super) fn nearly_text(head: &str, nearly: &Nearly, paint: Paint) -> String {
             if edge.missing.len() == 1 { "one part".to_string() } else { format!("{} parts", edge.missing.len()) };
         out.push_str(&format!("    tried in {times}; nearest in step {step}, without {parts} of its guard:\n"));
         for missing in &edge.missing {
-            let by = missing.distance.map_or(String::new(), |distance| format!(", {} apart", shown(distance)));
+            let by = missing.distance.map_or(String::new(), |distance| format!(", {} apart", number(distance)));
             out.push_str(&format!("        {} {}{}{by}\n", paint.no("×"), missing.atom.text, sides(&missing.atom)));
         }
     }

@@ -3,7 +3,7 @@
 use crate::analysis::wording::relation;
 use crate::analysis::{Interval, Values};
 use crate::ir::{Entity, Program, SlotId, World};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, on_one_line};
 
 use super::super::metric::Quantity;
 use super::super::outcome::{Argument, Exhaustion, Verdict};
@@ -63,7 +63,7 @@ pub fn proof_reasons(sources: &SourceMap, program: &Program, world: &World, proo
     for part in &proof.parts {
         let text = sources.slice(program.spans.exprs[part.predicate]);
         let text: Vec<&str> = text.lines().filter_map(|line| line.split("//").next()).collect();
-        let text = text.join(" ").split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = on_one_line(&text.join(" "));
         let reads = part.reads.iter().map(|(quantity, values)| {
             let (slot, name) = match *quantity {
                 Quantity::Var(slot, var, degree) => (slot, entity(program, world, slot).variable_text(var, degree)),

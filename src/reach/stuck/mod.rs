@@ -22,6 +22,8 @@ pub use ways_in::WayIn;
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
+
 use crate::ir::SpaceId;
 use crate::sim::Fault;
 use crate::watch::Watch;
@@ -36,9 +38,10 @@ use place::Places;
 use ways_in::ways_in;
 
 /// The numbers of states of each fate.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct StateCounts {
-    /// All that can be reached before the run is over, up to those in which the goal holds.
+    /// All states that can be reached before the run is over, up to those in which the goal holds.
     pub all: u64,
     /// Those in which the goal holds.
     pub goals: u64,

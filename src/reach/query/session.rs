@@ -348,30 +348,46 @@ impl Session {
         after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len).max()
     }
 
-    /// The problem for a target; `None` if the watch stopped the replay of a start.
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
-        let Query { min_hold, within, without, asked, after, .. } = &self.query;
-        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold).asking_only(asked);
-        if let Some(monitor) = &self.monitor {
-            problem = problem.monitored(monitor);
-        }
-        if let Some(seed) = self.query.chance {
-            problem = problem.foretold(seed);
-        }
-        for never in without {
-            problem = problem.without(self.sim.world().nevers[*never].holds);
-        }
-        if let Some(steps) = within {
-            problem = problem.within(*steps);
-        }
-        for (index, script) in after.iter().enumerate() {
-            problem = match problem.after_watched(script.clone(), watch) {
-                Ok(problem) => problem,
-                Err(BadStart::Stopped) => return Ok(None),
-                Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
-                Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
-            };
-        }
-        Ok(Some(problem))
+        problem(&self.sim, &self.query, (target, self.monitor.as_ref()), watch)
     }
+}
+
+/// The problem for a target; `None` if the watch stopped the replay of a start.
+fn problem<'s>(
+    sim: &'s Simulator,
+    query: &Query,
+    (target, monitor): (Target, Option<&'s Monitor>),
+    watch: &dyn Watch,
+) -> Result<Option<Problem<'s>>, QueryError> {
+    let Query { min_hold, within, without, asked, after, .. } = query;
+    let mut problem = Problem::asking(sim, target).holding(*min_hold).asking_only(asked);
+    if let Some(monitor) = monitor {
+        problem = problem.monitored(monitor);
+    }
+    if let Some(seed) = query.chance {
+        problem = problem.foretold(seed);
+    }
+    for never in without {
+        problem = problem.without(sim.world().nevers[*never].holds);
+    }
+    if let Some(steps) = within {
+        problem = problem.within(*steps);
+    }
+    for (index, script) in after.iter().enumerate() {
+        problem = match problem.after_watched(script.clone(), watch) {
+            Ok(problem) => problem,
+            Err(BadStart::Stopped) => return Ok(None),
+            Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
+            Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
+        };
+    }
+    Ok(Some(problem))
+}
+
+/// Replays a script that was found for a target before, without the analysis; returns the path up to the target, if it
+/// still leads there from the initial state.
+pub fn replay(sim: &Simulator, query: &Query, target: Target, script: &Script, watch: &dyn Watch) -> Option<Plan> {
+    let problem = problem(sim, query, (target, None), watch).ok()??;
+    plan_from_script(&problem, script, 0, watch)
 }

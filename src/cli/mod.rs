@@ -34,6 +34,7 @@ mod sim;
 mod sim_sweep;
 mod stuck;
 mod sweep;
+mod test;
 mod time;
 mod watches;
 mod why;
@@ -83,6 +84,7 @@ pub fn main() -> ExitCode {
         Command::Reach(args) => reach::run(&args),
         Command::Why(args) => why::run(&args),
         Command::Stuck(args) => stuck::run(&args),
+        Command::Test(args) => test::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

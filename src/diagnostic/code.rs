@@ -91,6 +91,7 @@ codes! {
     NoQuestion Error "E0602" "there is nothing to run or to ask"
     Fault Error "E0603" "a running world broke a rule"
     InvariantBroken Error "E0604" "an invariant does not hold in a running world"
+    TestFailed Error "E0605" "a test failed"
 
     BrokenAtStart Error "E0701" "an invariant does not hold at the start"
 

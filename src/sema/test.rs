@@ -123,7 +123,8 @@ impl Checker<'_> {
             .filter_map(|item| if let TestItem::Expect(e) = item { Some((&e.moment, e.span)) } else { None })
             .collect();
         if let (Some(inputs), true) = (test.inputs.first(), expects.is_empty()) {
-            self.diagnostics.report(IdleTest { at: inputs.span, what: "no `expect` asks about the run of these inputs" });
+            self.diagnostics
+                .report(IdleTest { at: inputs.span, what: "no `expect` asks about the run of these inputs" });
         }
         if !test.inputs.is_empty() {
             return;
@@ -149,9 +150,7 @@ impl Checker<'_> {
             let known = match named {
                 Named::Goal => goal.map(|at| (NameKind::Goal, at)),
                 Named::Never => never.map(|at| (NameKind::Never, at)),
-                Named::Either => {
-                    goal.map(|at| (NameKind::Goal, at)).or_else(|| never.map(|at| (NameKind::Never, at)))
-                }
+                Named::Either => goal.map(|at| (NameKind::Goal, at)).or_else(|| never.map(|at| (NameKind::Never, at))),
             };
             if let Some((kind, declared)) = known {
                 self.record_use(kind, name.span, declared);

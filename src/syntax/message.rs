@@ -236,7 +236,13 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         R::text => "a text in quotes",
         R::map_text => "a map (`\"` at the end of the line, the rows, `\"` on a line of its own)",
         R::number | R::digits => "a number",
-        R::open_brace | R::block | R::world_block | R::space_block | R::tile_block | R::kind_block | R::ramps
+        R::open_brace
+        | R::block
+        | R::world_block
+        | R::space_block
+        | R::tile_block
+        | R::kind_block
+        | R::ramps
         | R::test_block => "`{`",
         R::close_brace => "`}`",
         R::open_paren | R::point => "`(`",

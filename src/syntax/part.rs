@@ -183,8 +183,23 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "chance",
     ];
     const OTHER: &[&str] = &[
-        "when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use", "look", "test",
-        "inputs", "expect", "reachable", "unreachable", "unfound",
+        "when",
+        "else",
+        "envelope",
+        "import",
+        "step",
+        "collide",
+        "player",
+        "kinematic",
+        "initial",
+        "use",
+        "look",
+        "test",
+        "inputs",
+        "expect",
+        "reachable",
+        "unreachable",
+        "unfound",
     ];
     let mut declaring = false;
     let is_word = |c: char| c.is_alphanumeric() || c == '_';

@@ -23,6 +23,7 @@ pub(in crate::cli) use why::WhyArgs;
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
 use crate::cli::stuck::args::StuckArgs;
+use crate::cli::test::args::TestArgs;
 use crate::cli::time::{Hold, Time};
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
@@ -54,6 +55,8 @@ pub(in crate::cli) enum Command {
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.
     Stuck(StuckArgs),
+    /// Runs the tests that programs hold.
+    Test(TestArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

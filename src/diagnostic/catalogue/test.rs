@@ -62,14 +62,20 @@ impl Fact for BadTest {
                     format!("a time lies between two steps of {numerator}/{denominator} s"),
                     "there is no state at this time",
                 )
-                .help(format!("the steps beside it are at {} and {}", time(before), time(before.saturating_add(1))))
+                .help(format!(
+                    "the steps beside it are at {} and {}",
+                    time(before),
+                    time(before.saturating_add(1))
+                ))
             }
             WhyBadTest::NoTime => new("a time of a test is out of range".into(), "0 s to 100,000,000 steps"),
             WhyBadTest::BadSeed => {
                 new("a seed is no whole number".into(), "from 0 to 18446744073709551615").help("write `chance seed 7`")
             }
-            WhyBadTest::NeededBy(word) => new(format!("`not without` does not fit `{word}`"), "only `reachable` has it")
-                .help("`reachable exit not without key` claims that there is a way, and none without the key"),
+            WhyBadTest::NeededBy(word) => {
+                new(format!("`not without` does not fit `{word}`"), "only `reachable` has it")
+                    .help("`reachable exit not without key` claims that there is a way, and none without the key")
+            }
             WhyBadTest::OtherQuestion { name, is_goal, declared } => {
                 let (is, other) = if is_goal { ("goal", "never") } else { ("never", "goal") };
                 let help = match is_goal {
@@ -95,5 +101,27 @@ pub struct IdleTest {
 impl Fact for IdleTest {
     fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::IdleTest, "a part of a test makes no difference").at(self.at, self.what)
+    }
+}
+
+/// A claim of a test that is not so, or a run that is no good run.
+pub struct TestFailed {
+    /// The claim, or the name of the test.
+    pub at: Span,
+    /// The name of the test.
+    pub test: String,
+    /// What is not so.
+    pub what: String,
+    /// A few words for the place.
+    pub label: String,
+    /// What is known.
+    pub notes: Vec<String>,
+}
+
+impl Fact for TestFailed {
+    fn into_diagnostic(self) -> Diagnostic {
+        let TestFailed { at, test, what, label, notes } = self;
+        let failed = Diagnostic::new(Code::TestFailed, format!("test \"{test}\" failed: {what}")).at(at, label);
+        notes.into_iter().fold(failed, Diagnostic::note)
     }
 }

@@ -103,9 +103,7 @@ fn after_claim(cursor: &CursorContext<'_>, joined: &'static [&'static str]) -> &
         "expect" => &["and", "or", "in", "touching", "at", "by", "always", "never"],
         _ if has("within") => &[],
         "reachable" if !has("without") => &["and", "or", "in", "touching", "within", "without", "not without"],
-        "unreachable" | "unfound" | "never" if !has("without") => {
-            &["and", "or", "in", "touching", "within", "without"]
-        }
+        "unreachable" | "unfound" | "never" if !has("without") => &["and", "or", "in", "touching", "within", "without"],
         "reachable" | "unreachable" | "unfound" | "never" => &["and", "or", "in", "touching", "within"],
         _ => &[],
     }

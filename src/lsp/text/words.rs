@@ -110,7 +110,11 @@ const TEST_ITEMS: &[Snippet] = &[
     snippet("expect … at", "expect ${1:predicate} at ${2:1s}", "what holds at a time of the run"),
     snippet("expect … always", "expect ${1:predicate} always", "what holds in the whole run"),
     snippet("reachable … within", "reachable ${1:goal} within ${2:20s}", "a way is found"),
-    snippet("unreachable … without", "unreachable ${1:goal} without ${2:predicate}", "it is proven that there is no way"),
+    snippet(
+        "unreachable … without",
+        "unreachable ${1:goal} without ${2:predicate}",
+        "it is proven that there is no way",
+    ),
 ];
 
 const SPACE_ITEMS: &[Snippet] =

@@ -244,12 +244,11 @@ impl Session {
                 never: self.sim.world().nevers[*never].name.clone(),
                 steps: script.len(),
                 inputs: script.text(program, world),
-                luck: problem.and_then(|problem| self.luck(&problem, script, kept)),
+                luck: problem.and_then(|problem| luck(&problem, script, kept)),
             }
         });
         let violations = violations.collect();
-        let luck =
-            found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| self.luck(p, &plan.script, plan.after));
+        let luck = found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| luck(p, &plan.script, plan.after));
         let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
         let spaces = spaces.unwrap_or_default();
         Answer { violations, luck, spaces, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
@@ -272,12 +271,6 @@ impl Session {
             }
         }
         spaces
-    }
-
-    /// The luck that a script needs, where nature draws and a search chose it.
-    fn luck(&self, problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
-        let is_chosen = !self.sim.draws().is_empty() && !problem.is_foretold();
-        is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
     }
 
     fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
@@ -385,9 +378,23 @@ fn problem<'s>(
     Ok(Some(problem))
 }
 
-/// Replays a script that was found for a target before, without the analysis; returns the path up to the target, if it
-/// still leads there from the initial state.
-pub fn replay(sim: &Simulator, query: &Query, target: Target, script: &Script, watch: &dyn Watch) -> Option<Plan> {
+/// Replays a script that was found for a target before, without the analysis. If it still leads there from the initial
+/// state: the path up to the target, and the luck that it needs.
+pub fn replay(
+    sim: &Simulator,
+    query: &Query,
+    target: Target,
+    script: &Script,
+    watch: &dyn Watch,
+) -> Option<(Plan, Option<Luck>)> {
     let problem = problem(sim, query, (target, None), watch).ok()??;
-    plan_from_script(&problem, script, 0, watch)
+    let plan = plan_from_script(&problem, script, 0, watch)?;
+    let luck = luck(&problem, &plan.script, 0);
+    Some((plan, luck))
+}
+
+/// The luck that a script needs, where nature draws and a search chose it.
+fn luck(problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
+    let is_chosen = !problem.sim.draws().is_empty() && !problem.is_foretold();
+    is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
 }

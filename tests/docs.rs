@@ -104,6 +104,9 @@ fn comparable(line: &str, is_timed: bool) -> String {
     {
         return format!("{}{}", &line[..from], &line[to..]);
     }
+    if let Some((before, _)) = line.split_once("; finished in ") {
+        return before.to_string();
+    }
     if !is_timed {
         return line.to_string();
     }

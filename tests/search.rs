@@ -18,5 +18,6 @@ mod reach;
 mod report_pages;
 mod stop;
 mod stuck;
+mod suite;
 mod verdicts;
 mod why;

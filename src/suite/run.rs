@@ -202,7 +202,7 @@ impl<'c> Watched<'c> {
                     _ => steps,
                 };
                 let nearest = match last {
-                    Some(last) if last < end => format!("; it is nearest {}", at(Some(last))),
+                    Some(last) if last < end && self.distance.1 > 0.0 => format!("; it is nearest {}", at(Some(last))),
                     _ => String::new(),
                 };
                 (false, format!("does not hold up to step {end}{nearest}"))

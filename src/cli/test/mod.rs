@@ -249,10 +249,12 @@ fn show_result(files: &[TestedFile], result: &SuiteResult) -> io::Result<()> {
     for test in result.tests.iter().filter(|test| !test.passed) {
         let sources = files.iter().find(|file| file.path.display().to_string() == test.file).map(|file| &file.sources);
         if let Some(sources) = sources {
-            writeln!(out, "{}", text::failures(test, sources, color).trim_end_matches('\n'))?;
+            writeln!(out, "{}\n", text::failures(test, sources, color).trim_end_matches('\n'))?;
         }
     }
-    writeln!(out)?;
+    if result.failed == 0 {
+        writeln!(out)?;
+    }
     if let Some(coverage) = &result.coverage {
         writeln!(out, "{}", text::coverage(coverage))?;
     }

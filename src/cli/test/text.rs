@@ -24,15 +24,14 @@ pub(super) fn line(result: &TestResult, has_worlds: bool) -> String {
 /// Why a test failed, with the places in the text.
 pub(super) fn failures(result: &TestResult, sources: &SourceMap, color: bool) -> String {
     let mut found = Diagnostics::new();
-    let mut report = |at, what: &str, label: &str, notes: Vec<String>| {
-        let test = result.test.clone();
-        found.report(TestFailed { at, test, what: what.to_string(), label: label.to_string(), notes });
+    let mut report = |at, what: &str, notes: Vec<String>| {
+        found.report(TestFailed { at, test: result.test.clone(), what: what.to_string(), notes });
     };
     for problem in &result.problems {
-        report(result.at, problem, "in the run of this test", Vec::new());
+        report(result.at, problem, Vec::new());
     }
     for claim in result.claims.iter().filter(|claim| !claim.passed) {
-        report(claim.at, &format!("`{}`: {}", claim.claim, claim.answer), "this is not so", notes(claim));
+        report(claim.at, &claim.answer, notes(claim));
     }
     render::human(sources, found.iter(), color)
 }
@@ -49,13 +48,13 @@ fn notes(claim: &ClaimResult) -> Vec<String> {
     notes
 }
 
-/// `hero.keys == 1 is false: 0 and 1`
+/// ``hero.keys == 1` does not hold: it compares 0 with 1``
 fn part(part: &Atom) -> Option<String> {
     let held = match part.held? {
         true => "holds",
         false => "does not hold",
     };
-    let sides = part.sides.map(|[a, b]| format!(": {} and {}", number(a), number(b))).unwrap_or_default();
+    let sides = part.sides.map(|[a, b]| format!(": it compares {} with {}", number(a), number(b))).unwrap_or_default();
     Some(format!("`{}` {held}{sides}", part.text))
 }
 

@@ -112,16 +112,14 @@ pub struct TestFailed {
     pub test: String,
     /// What is not so.
     pub what: String,
-    /// A few words for the place.
-    pub label: String,
     /// What is known.
     pub notes: Vec<String>,
 }
 
 impl Fact for TestFailed {
     fn into_diagnostic(self) -> Diagnostic {
-        let TestFailed { at, test, what, label, notes } = self;
-        let failed = Diagnostic::new(Code::TestFailed, format!("test \"{test}\" failed: {what}")).at(at, label);
+        let TestFailed { at, test, what, notes } = self;
+        let failed = Diagnostic::new(Code::TestFailed, format!("test \"{test}\" failed")).at(at, what);
         notes.into_iter().fold(failed, Diagnostic::note)
     }
 }

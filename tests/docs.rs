@@ -56,7 +56,12 @@ fn read(path: impl AsRef<Path>) -> String {
 }
 
 fn hypedc(folder: &Path, arguments: &[String]) -> (String, String, i32) {
-    let output = Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR")).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_hypedc"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
+        .output()
+        .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (text(output.stdout), text(output.stderr), output.status.code().unwrap())
 }

@@ -145,10 +145,11 @@ impl<'c> Watched<'c> {
             When::By(by) => step <= u64::from(by),
             When::AtEnd | When::ByEnd | When::Always | When::Never => true,
         };
-        if self.decided.is_some() || !is_asked {
+        // Out of bounds, where the run is over, only a `never` counts.
+        if self.decided.is_some() || !is_asked || is_out && self.never.is_none() {
             return Ok(());
         }
-        let holds = sim.holds(state, self.predicate)? && (!is_out || self.never.is_some());
+        let holds = sim.holds(state, self.predicate)?;
         let decided = match self.when {
             When::At(_) => Some(holds),
             When::By(_) | When::ByEnd if holds => Some(true),
@@ -181,11 +182,7 @@ impl<'c> Watched<'c> {
         let mut result = ClaimResult::new(self.claim, place(sources, self.claim.at));
         let last = self.step.as_ref().map(|(step, _)| *step);
         let at = |step: Option<u64>| after(sim, step.unwrap_or(steps));
-        let holds_at_end = || {
-            let (_, state) = self.step.as_ref()?;
-            let is_out = sim.left_bounds(state).is_some() && self.never.is_none();
-            sim.holds(state, self.predicate).ok().map(|holds| holds && !is_out)
-        };
+        let holds_at_end = || self.step.as_ref().and_then(|(_, state)| sim.holds(state, self.predicate).ok());
         // What is not decided is so only if the run was as long as it should be.
         let (passed, answer) = match (self.when, self.decided) {
             (When::At(_) | When::By(_) | When::ByEnd, Some(true)) => (true, format!("holds {}", at(last))),
@@ -211,7 +208,11 @@ impl<'c> Watched<'c> {
             (When::Never, None) => (true, format!("does not hold up to step {steps}")),
             (When::At(_), None) => (false, "not known".to_string()),
         };
-        (result.passed, result.answer, result.step) = (passed, answer, last);
+        (result.passed, result.answer) = (passed, answer);
+        if !is_whole && self.decided.is_none() {
+            return result;
+        }
+        result.step = last;
         if let Some((_, state)) = self.step.as_ref().filter(|_| !passed) {
             result.parts = predicate_atoms(sim, texts, state, self.predicate);
         }

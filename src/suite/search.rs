@@ -112,7 +112,7 @@ fn ask(
 ) -> Result<Known, String> {
     let Question { program, sources, target, query } = question(subject, case, (claim, asked), options)?;
     let name = name(case, &claim.predicate, asked, options);
-    if let Some(known) = kept(&program, (&query, target), &name, options, watch) {
+    if let Some(known) = kept(&program, (&query, target, asked.kind), &name, options, watch) {
         return Ok(known);
     }
     let session = Session::new(&program, case.world, query, watch);
@@ -128,7 +128,7 @@ fn ask(
     let is_refuted = session.refutation().is_some();
     Ok(Known {
         conclusion: if is_refuted { Conclusion::NotAnswered } else { answer.verdict },
-        words: words(&answer, is_refuted, program.worlds[case.world].step.seconds()),
+        words: words(&answer, (asked.kind, is_refuted), program.worlds[case.world].step.seconds()),
         is_spent: !is_refuted && answer.end != End::Stopped,
         reasons: answer.reasons,
         way,
@@ -138,7 +138,7 @@ fn ask(
 /// A way that was found before, if it still leads there.
 fn kept(
     program: &Arc<Program>,
-    (query, target): (&Query, Target),
+    (query, target, kind): (&Query, Target, SearchKind),
     name: &WayName<'_>,
     options: &TestOptions<'_>,
     watch: &dyn Watch,
@@ -156,7 +156,7 @@ fn kept(
     };
     Some(Known {
         conclusion,
-        words: found_words(conclusion, plan.steps, luck.as_ref(), sim.world().step.seconds()),
+        words: found_words(kind, plan.steps, luck.as_ref(), sim.world().step.seconds()),
         reasons: Vec::new(),
         way: Some((plan.script.clone(), plan.script.text(program, sim.world_id()))),
         is_spent: true,
@@ -239,15 +239,20 @@ fn query_error(error: &QueryError, program: &Program, world: WorldId) -> String 
 }
 
 /// `reached in 2.40 s, step 144`
-fn found_words(conclusion: Conclusion, steps: u64, luck: Option<&Luck>, seconds_per_step: f64) -> String {
+fn found_words(kind: SearchKind, steps: u64, luck: Option<&Luck>, seconds_per_step: f64) -> String {
     let seconds = steps as f64 * seconds_per_step;
     let luck =
         luck.filter(|luck| !luck.is_none()).map_or(String::new(), |luck| format!(", with luck: {}", luck.words()));
-    format!("{} in {seconds:.2} s, step {steps}{luck}", conclusion.words())
+    let what = match kind {
+        SearchKind::Reachable | SearchKind::Unreachable => "reached",
+        SearchKind::Never => "violated",
+        SearchKind::Unfound => "found",
+    };
+    format!("{what} in {seconds:.2} s, step {steps}{luck}")
 }
 
 /// What an answer says.
-fn words(answer: &Answer, is_refuted: bool, seconds_per_step: f64) -> String {
+fn words(answer: &Answer, (kind, is_refuted): (SearchKind, bool), seconds_per_step: f64) -> String {
     let open = |what: &str| {
         let why = match answer.end {
             End::Stopped => "the search was stopped",
@@ -263,7 +268,7 @@ fn words(answer: &Answer, is_refuted: bool, seconds_per_step: f64) -> String {
                 .into()
         }
         Conclusion::Reached | Conclusion::Violated => {
-            found_words(answer.verdict, answer.steps.unwrap_or_default(), answer.luck.as_ref(), seconds_per_step)
+            found_words(kind, answer.steps.unwrap_or_default(), answer.luck.as_ref(), seconds_per_step)
         }
         Conclusion::ProvenUnreachable => "proven: no inputs lead there".to_string(),
         Conclusion::Exhausted => "no way with axes at -1, 0 and 1, which is no proof".to_string(),

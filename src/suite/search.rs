@@ -7,7 +7,7 @@ use crate::compile::{
     Asked, Compilation, ExtraConstraint, ExtraQuestion, SearchKind, TestCase, TestClaim, TestSearch, question_name,
 };
 use crate::ir::{NeverId, Program, WorldId};
-use crate::reach::query::{Answer, Query, QueryError, Session, replay};
+use crate::reach::query::{Answer, ProofMethod, Query, QueryError, Session, replay};
 use crate::reach::{Conclusion, End, Limits, Luck, Settings, Target, Termination, Verdict};
 use crate::sim::{Script, Simulator, parse_script};
 use crate::source::SourceMap;
@@ -128,7 +128,7 @@ fn ask(
     let is_refuted = session.refutation().is_some();
     Ok(Known {
         conclusion: if is_refuted { Conclusion::NotAnswered } else { answer.verdict },
-        words: words(&answer, (asked.kind, is_refuted), program.worlds[case.world].step.seconds()),
+        words: words(&answer, (asked, is_refuted), program.worlds[case.world].step.seconds()),
         is_spent: !is_refuted && answer.end != End::Stopped,
         reasons: answer.reasons,
         way,
@@ -252,7 +252,12 @@ fn found_words(kind: SearchKind, steps: u64, luck: Option<&Luck>, seconds_per_st
 }
 
 /// What an answer says.
-fn words(answer: &Answer, (kind, is_refuted): (SearchKind, bool), seconds_per_step: f64) -> String {
+fn words(answer: &Answer, (asked, is_refuted): (&TestSearch, bool), seconds_per_step: f64) -> String {
+    let within = match asked.within {
+        // What holds in no reachable state is not reached later, either.
+        Some(steps) if answer.proven_by != Some(ProofMethod::Analysis) => format!(" within {steps} steps"),
+        _ => String::new(),
+    };
     let open = |what: &str| {
         let why = match answer.end {
             End::Stopped => "the search was stopped",
@@ -268,10 +273,10 @@ fn words(answer: &Answer, (kind, is_refuted): (SearchKind, bool), seconds_per_st
                 .into()
         }
         Conclusion::Reached | Conclusion::Violated => {
-            found_words(kind, answer.steps.unwrap_or_default(), answer.luck.as_ref(), seconds_per_step)
+            found_words(asked.kind, answer.steps.unwrap_or_default(), answer.luck.as_ref(), seconds_per_step)
         }
-        Conclusion::ProvenUnreachable => "proven: no inputs lead there".to_string(),
-        Conclusion::Exhausted => "no way with axes at -1, 0 and 1, which is no proof".to_string(),
+        Conclusion::ProvenUnreachable => format!("proven: no inputs lead there{within}"),
+        Conclusion::Exhausted => format!("no way{within} with axes at -1, 0 and 1, which is no proof"),
         Conclusion::NotFound => open("not found"),
         Conclusion::NotAnswered => open("not found, and not proven"),
         Conclusion::Error => "it cannot be asked".to_string(),

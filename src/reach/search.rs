@@ -53,6 +53,8 @@ pub struct Settings {
     pub records: bool,
     /// Whether all states are checked against the configuration space, if a problem has no [`Monitor`](super::Monitor).
     pub checks: bool,
+    /// Whether the states that come nearest to the target are kept, to explain a missing answer.
+    pub explains: bool,
 }
 
 impl Default for Settings {
@@ -69,6 +71,7 @@ impl Default for Settings {
             threads: 1,
             records: false,
             checks: true,
+            explains: false,
         }
     }
 }
@@ -241,6 +244,7 @@ impl<'a> Builder<'_, 'a> {
         let rng = Pcg64::seed_from_u64(seed);
         SearchContext::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
             .recording(self.settings.records)
+            .tracking(self.settings.explains)
     }
 
     /// The searcher of a single planner.
@@ -406,6 +410,7 @@ impl ParallelSearch<'_, '_> {
             reads_between: self.reads_between,
             refuted: None,
             is_withdrawn: false,
+            nearest: notes.nearest,
         }
     }
 }

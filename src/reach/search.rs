@@ -162,7 +162,7 @@ fn search_monitored(
     }
     let windows = Windows::new(problem, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
-    let uses_distances = settings.planner.uses_distances() || problem.time().is_some();
+    let uses_distances = settings.planner.uses_distances() || settings.explains || problem.time().is_some();
     let distances = if uses_distances { DistanceField::new(problem, space, &Meter::new(watch)) } else { None };
     let build = Builder {
         problem,
@@ -244,7 +244,7 @@ impl<'a> Builder<'_, 'a> {
         let rng = Pcg64::seed_from_u64(seed);
         SearchContext::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
             .recording(self.settings.records)
-            .tracking(self.settings.explains)
+            .tracking(self.settings.explains, self.distances)
     }
 
     /// The searcher of a single planner.

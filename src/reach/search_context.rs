@@ -10,6 +10,7 @@ use crate::watch::{Meter, PollLimit, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
+use super::distance::DistanceField;
 use super::luck::{Luck, only_read};
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
@@ -126,7 +127,7 @@ pub struct SearchContext<'a> {
     /// The index of the tree's first node in the record, if nodes are recorded.
     recorded: Option<usize>,
     /// Keeps the nearest states, if a missing answer is to be explained.
-    tracker: Option<Box<Tracker>>,
+    tracker: Option<Box<Tracker<'a>>>,
 }
 
 impl<'a> SearchContext<'a> {
@@ -168,8 +169,8 @@ impl<'a> SearchContext<'a> {
 
     /// Keeps the states that come nearest to the target from now on.
     #[must_use]
-    pub(super) fn tracking(mut self, tracks: bool) -> Self {
-        self.tracker = tracks.then(|| Box::new(Tracker::new(self.problem)));
+    pub(super) fn tracking(mut self, tracks: bool, distances: Option<&'a DistanceField>) -> Self {
+        self.tracker = tracks.then(|| Box::new(Tracker::new(self.problem, distances)));
         self
     }
 

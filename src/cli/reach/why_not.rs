@@ -20,7 +20,11 @@ pub(super) fn why_not_text(answer: &Answer, query: &Query, detail: Detail, is_ve
     if let Some(nearest) = &why.nearest {
         let parts: Vec<String> = nearest.parts.iter().map(PartState::phrase).collect();
         let sample = if why.is_sample { format!(" (in a search of {} nodes)", why.nodes) } else { String::new() };
-        line("nearest", &format!("{}: {}{sample}", place(&nearest.at, has_rooms), parts.join("; ")));
+        let place = match nearest.at.step {
+            0 => "no state is nearer than the start".to_string(),
+            _ => place(&nearest.at, has_rooms),
+        };
+        line("nearest", &format!("{place}: {}{sample}", parts.join("; ")));
         if is_verbose && !nearest.at.inputs.is_empty() {
             line("inputs", &detail.script(&nearest.at.inputs));
         }
@@ -89,12 +93,12 @@ fn closed(why: &WhyNot, is_verbose: bool) -> Vec<String> {
     };
     let mode = |closed: &ClosedMode| {
         let place = closed.place.as_ref().map_or(String::new(), |place| format!(" at {place}"));
-        let why = match (closed.step, closed.missing.is_empty()) {
-            (None, _) => "not tried on the way".to_string(),
-            (Some(step), true) => format!("its guard held in step {step}"),
-            (Some(step), false) => format!("{} in step {step}", closed.missing.join(" and ")),
+        let when = closed.step.map_or(String::new(), |step| format!(" in step {step}"));
+        let why = match closed.missing.is_empty() {
+            true => "not tried on the way to the nearest state".to_string(),
+            false => format!("{}{when}", closed.missing.join(" and ")),
         };
-        format!("in mode `{}` (edge{place}: {why})", closed.mode)
+        format!("{} in `{}` (edge{place}: {why})", closed.instance, closed.mode)
     };
     // A link is the border; what is behind closed rooms is not.
     let mut rooms: Vec<String> =
@@ -103,7 +107,7 @@ fn closed(why: &WhyNot, is_verbose: bool) -> Vec<String> {
     let mut modes: Vec<String> = why
         .modes
         .iter()
-        .filter(|mode| is_verbose || mode.step.is_some() && !mode.missing.is_empty())
+        .filter(|mode| is_verbose || mode.is_asked)
         .map(mode)
         .collect();
     shorten(&mut modes, is_verbose);
@@ -143,10 +147,8 @@ fn hints(answer: &Answer, query: &Query) -> Vec<String> {
         hints.push(if c.new_places * 20 >= c.places {
             format!("more `--nodes`: {} of {} places were new in the second half", c.new_places, c.places)
         } else {
-            format!(
-                "the level rather than more `--nodes`: only {} of {} places were new in the second half",
-                c.new_places, c.places
-            )
+            let new = if c.new_places == 0 { "none".to_string() } else { format!("only {}", c.new_places) };
+            format!("the level, not more `--nodes`: {new} of {} places were new in the second half", c.places)
         });
     }
     if !query.settings.records {

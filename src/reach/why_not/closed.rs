@@ -1,14 +1,16 @@
 //! Rooms and modes that a search never entered, at the border of what it entered: which link or edge leads there, and what
 //! its condition lacked on the way to the nearest state.
 
-use crate::ir::{EdgeId, Id, ModeId, SlotId, SpaceId};
+use std::cmp::Ordering;
+
+use crate::ir::{EdgeId, Id, LeafId, ModeId, SlotId, SpaceId};
 use crate::sim::Script;
 use crate::source::{SourceMap, Span};
-use crate::why::nearly;
+use crate::why::{NearlyEdge, nearly};
 
 use super::super::problem::Problem;
 use super::gauge::Seen;
-use super::lack::Parts;
+use super::lack::{Gauge, Parts};
 use super::record::{ClosedMode, ClosedRoom};
 use super::words::{Describer, distance_words};
 
@@ -70,35 +72,62 @@ pub(super) fn closed_rooms(
     closed
 }
 
-/// The modes of the first player that it never entered, of those to which an edge of an entered one leads. How near the
-/// edges came is asked of the way to the nearest state.
+/// Modes that were never entered: on the way to the nearest state those that the goal asks for or that lead there, and of
+/// the first player those of the whole search to which an edge of an entered mode leads. How near the edges came is asked
+/// of the way to the nearest state.
 pub(super) fn closed_modes(
     problem: &Problem<'_>,
     sources: &SourceMap,
-    seen: &Seen,
-    script: &Script,
+    (parts, seen): (&Parts, &Seen),
+    (script, state): (&Script, &[u8]),
 ) -> Vec<ClosedMode> {
-    let Some(&player) = problem.players().first() else { return Vec::new() };
+    let mut closed: Vec<ClosedMode> = Vec::new();
+    let mut atoms = Vec::new();
+    parts.terms.iter().for_each(|term| term.atoms(&mut atoms));
+    let asker = Asker { problem, sources, script };
+    for atom in atoms {
+        let Gauge::Mode(slot, group, hops) = &atom.gauge else { continue };
+        if !problem.sim.instance(state, *slot).is_alive() {
+            continue;
+        }
+        let entity = &problem.sim.program().entities[problem.sim.world().slots[*slot].entity];
+        let leaf = problem.sim.world().layout.slots[*slot].leaf(state, *group);
+        let left = |leaf: LeafId| hops.get(leaf.index()).copied().unwrap_or(u32::MAX);
+        // The next modes on a shortest way.
+        let is_next = |edge: &&EdgeId| {
+            let target = entity.edges[**edge].target;
+            let leads = |mode: ModeId| entity.modes[mode].leaves.ids().map(left).min();
+            target.and_then(leads).is_some_and(|after| after < left(leaf))
+        };
+        let edges: Vec<EdgeId> = entity.leaves[leaf].edges.iter().filter(is_next).copied().collect();
+        let mut targets: Vec<ModeId> = edges.iter().filter_map(|edge| entity.edges[*edge].target).collect();
+        targets.dedup();
+        for mode in targets {
+            let to: Vec<EdgeId> =
+                edges.iter().copied().filter(|edge| entity.edges[*edge].target == Some(mode)).collect();
+            let found = asker.closed_mode((*slot, mode, &to), true).filter(|found| !found.missing.is_empty());
+            closed.extend(found.filter(|found| !closed.contains(found)));
+        }
+    }
+    let Some(&player) = problem.players().first() else { return closed };
     let entity = &problem.sim.program().entities[problem.sim.world().slots[player].entity];
     let is_entered = |mode: ModeId| {
         let mut leaves = entity.modes[mode].leaves.ids();
         leaves.any(|leaf| seen.leaves.get(leaf.index()).copied().unwrap_or(false))
     };
-    let is_closed = |mode: &ModeId| {
-        // Of a mode and those around it that are closed, the outermost counts.
-        !is_entered(*mode) && entity.modes[*mode].parent.is_none_or(is_entered)
-    };
-    let mut closed = Vec::new();
+    // Of a mode and those around it that are closed, the outermost counts.
+    let is_closed = |mode: &ModeId| !is_entered(*mode) && entity.modes[*mode].parent.is_none_or(is_entered);
     for mode in entity.modes.ids().filter(is_closed) {
         let leads = |edge: &EdgeId| {
             let of = &entity.edges[*edge];
             of.target.is_some_and(|target| entity.is_inside(target, mode)) && is_entered(of.source)
         };
         let edges: Vec<EdgeId> = entity.edges.ids().filter(leads).collect();
-        if edges.is_empty() {
-            continue;
+        let name = &problem.sim.world().slots[player].name;
+        let is_known = |known: &ClosedMode| known.instance == *name && known.mode == entity.modes[mode].path;
+        if !edges.is_empty() && !closed.iter().any(is_known) {
+            closed.extend(asker.closed_mode((player, mode, &edges), false));
         }
-        closed.extend(closed_mode(problem, sources, script, (player, mode, &edges)));
         if closed.len() >= MAX_CLOSED {
             break;
         }
@@ -106,30 +135,39 @@ pub(super) fn closed_modes(
     closed
 }
 
-fn closed_mode(
-    problem: &Problem<'_>,
-    sources: &SourceMap,
-    script: &Script,
-    (player, mode, edges): (SlotId, ModeId, &[EdgeId]),
-) -> Option<ClosedMode> {
-    let asked = (Some(mode), edges);
-    let found = nearly(problem.sim, sources, (script, problem.seed()), script.len(), player, asked).ok()?;
-    let lacks = |edge: &crate::why::NearlyEdge| {
-        let distance: f64 = edge.missing.iter().filter_map(|missing| missing.distance).sum();
-        (edge.step.is_none(), edge.missing.len(), distance)
-    };
-    let nearest = found.edges.iter().min_by(|a, b| lacks(a).partial_cmp(&lacks(b)).unwrap_or(std::cmp::Ordering::Equal))?;
-    let missing = nearest.missing.iter().map(|missing| match missing.distance {
-        Some(distance) if distance > 0.0 => {
-            format!("`{}` misses by {}", missing.atom.text, distance_words(distance, ""))
-        }
-        _ => format!("`{}` does not hold", missing.atom.text),
-    });
-    Some(ClosedMode {
-        mode: found.mode.clone()?,
-        from: nearest.from.clone(),
-        place: nearest.place.as_ref().map(|place| format!("{}:{}", place.path, place.line)),
-        step: nearest.step,
-        missing: missing.collect(),
-    })
+/// Asks the way to the nearest state.
+struct Asker<'a> {
+    problem: &'a Problem<'a>,
+    sources: &'a SourceMap,
+    script: &'a Script,
+}
+
+impl Asker<'_> {
+    fn closed_mode(&self, (slot, mode, edges): (SlotId, ModeId, &[EdgeId]), is_asked: bool) -> Option<ClosedMode> {
+        let Asker { problem, sources, script } = *self;
+        let asked = (Some(mode), edges);
+        let found = nearly(problem.sim, sources, (script, problem.seed()), script.len(), slot, asked).ok()?;
+        let lacks = |edge: &NearlyEdge| {
+            let distance: f64 = edge.missing.iter().filter_map(|missing| missing.distance).sum();
+            (edge.step.is_none(), edge.missing.len(), distance)
+        };
+        let order = |a: &&NearlyEdge, b: &&NearlyEdge| lacks(a).partial_cmp(&lacks(b)).unwrap_or(Ordering::Equal);
+        let nearest = found.edges.iter().min_by(order)?;
+        let missing = nearest.missing.iter().map(|missing| match missing.distance {
+            Some(distance) if distance > 0.0 => {
+                format!("`{}` misses by {}", missing.atom.text, distance_words(distance, ""))
+            }
+            _ => format!("`{}` does not hold", missing.atom.text),
+        });
+        Some(ClosedMode {
+            instance: found.instance.clone(),
+            is_asked,
+            mode: found.mode.clone()?,
+            from: nearest.from.clone(),
+            place: nearest.place.as_ref().map(|place| format!("{}:{}", place.path, place.line)),
+            // Where nothing has a distance, no step is nearer than another.
+            step: nearest.step.filter(|_| nearest.missing.iter().any(|missing| missing.distance.is_some())),
+            missing: missing.collect(),
+        })
+    }
 }

@@ -86,17 +86,27 @@ impl Contact {
         match (least < f64::INFINITY, has_body) {
             (true, true) => Lack { holds: false, distance: Some(least), cost: 1e-9 + least * unit.weight() },
             (true, false) => Lack::unmeasured(NO_BODY + least * unit.weight()),
-            (false, _) => {
-                let rooms = self.rooms[index];
-                Lack::unmeasured(if rooms == u32::MAX { 8.0 * ROOM } else { f64::from(rooms.max(1)) * ROOM })
-            }
+            (false, _) => match self.rooms[index] {
+                u32::MAX => Lack::unmeasured(8.0 * ROOM),
+                rooms => Lack::unmeasured(f64::from(rooms.max(1)) * ROOM),
+            },
         }
+    }
+
+    /// Whose contact it is.
+    pub fn slot(&self) -> SlotId {
+        self.slot
     }
 
     /// Whether an own body is there in a state.
     pub fn has_body(&self, sim: &Simulator, state: &[u8]) -> bool {
         let me = sim.instance(state, self.slot);
         me.colliders().any(|(id, _)| me.entity().colliders[id].tags.meets(self.mine))
+    }
+
+    /// The number of rooms to the nearest one that has something to touch from the first, as far as it is known.
+    pub fn rooms_away(&self, space: SpaceId) -> Option<u32> {
+        self.rooms.get(space.index()).copied().filter(|rooms| (1..u32::MAX).contains(rooms))
     }
 
     /// Whether there is something to touch in the room of the instance.

@@ -63,7 +63,7 @@ pub(in super::super) fn explain(
         highest_jump: seen.highest.size,
         longest_jump: seen.longest.size,
         rooms: closed_rooms(problem, &describer, seen, whole.as_ref().map(|whole| &*whole.state)),
-        modes: whole.as_ref().map_or(Vec::new(), |whole| closed_modes(problem, sources, seen, &whole.script)),
+        modes: whole.as_ref().map_or(Vec::new(), |whole| closed_modes(problem, sources, (&parts, seen), (&whole.script, &whole.state))),
     })
 }
 

@@ -1,7 +1,7 @@
 //! What a goal lacks in a state: its parts, each with how far it is from holding. Searches ask this of every state, so
 //! that the common parts (a variable against a number) are read directly, and nothing is allocated.
 
-use crate::ir::{CompareOp, Expr, ExprId, Id, LeafId, Program, SlotId, Subject, VarId, World};
+use crate::ir::{Arithmetic, CompareOp, Expr, ExprId, Id, LeafId, Program, SlotId, Subject, VarId, World};
 use crate::sim::Simulator;
 
 use super::super::problem::Problem;
@@ -51,8 +51,8 @@ pub(super) struct Atom {
 pub(super) enum Gauge {
     /// A variable against a number.
     Var(SlotId, VarId, u8, CompareOp, f64),
-    /// Two numbers.
-    Numbers(CompareOp, ExprId, ExprId),
+    /// Two numbers, and by how much one has to be beyond the other: 1 if both are whole.
+    Numbers(CompareOp, ExprId, ExprId, f64),
     /// A position against a circle: inside of it (true) or outside.
     Circle(SlotId, [ExprId; 3]),
     /// The gap between two bodies.
@@ -141,6 +141,17 @@ impl Term {
     }
 }
 
+impl Term {
+    /// Its atoms.
+    pub fn atoms<'t>(&'t self, out: &mut Vec<&'t Atom>) {
+        match self {
+            Term::Atom(atom) => out.push(atom),
+            Term::While(_, inner) | Term::Unless(_, inner) => inner.atoms(out),
+            Term::All(terms) | Term::Any(terms) => terms.iter().for_each(|term| term.atoms(out)),
+        }
+    }
+}
+
 impl Atom {
     /// What it lacks in a state. What is known to cost at least `limit` need not be exact.
     #[inline]
@@ -164,9 +175,9 @@ impl Atom {
                 let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
                 Ok(Lack::by(holds(*op, value, *bound), (value - bound).abs(), self.unit))
             }
-            Gauge::Numbers(op, a, b) => number(*a).and_then(|a| {
+            Gauge::Numbers(op, a, b, beyond) => number(*a).and_then(|a| {
                 let b = number(*b)?;
-                Ok(Lack::by(holds(*op, a, b), (a - b).abs(), self.unit))
+                Ok(Lack::by(holds(*op, a, b), (a - b).abs() + beyond, self.unit))
             }),
             Gauge::Circle(slot, [x, y, radius]) => number(*x).and_then(|x| {
                 let (y, radius) = (number(*y)?, number(*radius)?);
@@ -289,7 +300,11 @@ impl Builder<'_> {
                     (_, _, Some((slot, var, degree)), Some(bound)) => {
                         Gauge::Var(slot, var, degree, exchanged(op), bound)
                     }
-                    _ => Gauge::Numbers(op, a, b),
+                    _ => {
+                        let is_strict = matches!(op, CompareOp::Less | CompareOp::Greater);
+                        let is_whole = is_strict && self.is_whole(a) && self.is_whole(b);
+                        Gauge::Numbers(op, a, b, f64::from(u8::from(is_whole)))
+                    }
                 };
                 (gauge, unit)
             }
@@ -318,6 +333,20 @@ impl Builder<'_> {
         let Expr::Discrete(Subject::Slot(slot), discrete) = self.program.exprs[id] else { return false };
         let entity = &self.program.entities[self.world.slots[slot].entity];
         !matches!(entity.discretes[discrete].domain, crate::ir::Domain::Int)
+    }
+
+    /// Whether its values are whole numbers.
+    fn is_whole(&self, id: ExprId) -> bool {
+        match self.program.exprs[id] {
+            Expr::Number(number) => number.fract() == 0.0,
+            Expr::Discrete(..) | Expr::Broken(_) | Expr::Tiles(_) | Expr::Count { .. } => true,
+            Expr::Bool(_) | Expr::And(..) | Expr::Or(..) | Expr::Not(_) | Expr::Compare(..) => true,
+            Expr::Alive(_) | Expr::InMode(..) | Expr::InSpace(..) | Expr::Touching(..) | Expr::Near { .. } => true,
+            Expr::Negate(a) => self.is_whole(a),
+            Expr::Arithmetic(Arithmetic::Divide, ..) => false,
+            Expr::Arithmetic(_, a, b) => self.is_whole(a) && self.is_whole(b),
+            _ => false,
+        }
     }
 
     fn variable(&self, id: ExprId) -> Option<(SlotId, VarId, u8)> {

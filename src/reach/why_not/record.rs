@@ -23,7 +23,8 @@ pub struct WhyNot {
     pub longest_jump: f64,
     /// Rooms that the first player never entered.
     pub rooms: Vec<ClosedRoom>,
-    /// Modes of the first player that it never entered, though it was in one that has an edge to them.
+    /// Modes that an instance was never in: those that lead to a mode of the goal, and those of the first player to which an
+    /// edge of a mode leads that it was in.
     pub modes: Vec<ClosedMode>,
 }
 
@@ -160,13 +161,18 @@ pub struct ClosedRoom {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct ClosedMode {
+    /// The instance.
+    pub instance: String,
+    /// Whether it leads to a mode that the goal asks for, or is one.
+    pub is_asked: bool,
     /// Its path.
     pub mode: String,
     /// The mode with the edge that came nearest, on the way to the nearest state.
     pub from: String,
     /// The file and the line of the edge.
     pub place: Option<String>,
-    /// The step in which its guard came nearest; null if it was never tried on that way.
+    /// The step in which its guard came nearest; null if it was never tried on that way, and if nothing that is missing has a
+    /// distance.
     pub step: Option<u64>,
     /// What was missing then, a phrase each.
     pub missing: Vec<String>,

@@ -4,6 +4,7 @@
 
 use crate::sim::{Script, Simulator};
 
+use super::super::distance::DistanceField;
 use super::super::problem::Problem;
 use super::super::strategy::Choice;
 use super::super::tree::NodeId;
@@ -23,13 +24,15 @@ enum Way {
 #[derive(Debug, Clone, PartialEq)]
 struct Best {
     cost: f64,
+    /// Of the whole goal, the length of the way to it through the level, which decides between equal costs.
+    way_left: u32,
     way: Option<Way>,
 }
 
 /// Keeps the nearest states of a search.
-#[derive(Debug)]
-pub(in super::super) struct Tracker {
+pub(in super::super) struct Tracker<'a> {
     parts: Parts,
+    distances: Option<&'a DistanceField>,
     /// For each part, and for the whole last.
     best: Vec<Best>,
     gauge: Gauge,
@@ -40,6 +43,7 @@ pub(in super::super) struct Tracker {
 pub struct Near {
     /// What it lacks, in tiles.
     cost: f64,
+    way_left: u32,
     /// The inputs from the initial state.
     pub script: Script,
 }
@@ -80,7 +84,7 @@ impl Nearest {
     pub(in super::super) fn join(&mut self, other: &Nearest) {
         let join = |mine: &mut Option<Near>, theirs: &Option<Near>| {
             if let Some(near) = theirs
-                && mine.as_ref().is_none_or(|known| near.cost < known.cost)
+                && mine.as_ref().is_none_or(|known| (near.cost, near.way_left) < (known.cost, known.way_left))
             {
                 *mine = Some(near.clone());
             }
@@ -96,12 +100,15 @@ impl Nearest {
     }
 }
 
-impl Tracker {
+/// Of which nothing is known yet.
+const NONE: Best = Best { cost: f64::INFINITY, way_left: u32::MAX, way: None };
+
+impl<'a> Tracker<'a> {
     /// For a question of which nothing was searched yet.
-    pub fn new(problem: &Problem<'_>) -> Tracker {
+    pub fn new(problem: &Problem<'_>, distances: Option<&'a DistanceField>) -> Self {
         let parts = Parts::new(problem);
-        let best = vec![Best { cost: f64::INFINITY, way: None }; parts.terms.len() + 1];
-        Tracker { parts, best, gauge: Gauge::new(problem) }
+        let best = vec![NONE; parts.terms.len() + 1];
+        Tracker { parts, distances, best, gauge: Gauge::new(problem) }
     }
 
     /// Begins an extension of a node.
@@ -133,12 +140,19 @@ impl Tracker {
             let best = &mut parts[index];
             let cost = term.cost(sim, state, if best.cost > whole.cost { best.cost } else { whole.cost });
             if cost < best.cost {
-                *best = Best { cost, way: Some(Way::Choice(choice, step)) };
+                *best = Best { cost, way_left: 0, way: Some(Way::Choice(choice, step)) };
             }
             sum += cost;
         }
-        if sum < whole.cost {
-            *whole = Best { cost: sum, way: Some(Way::Choice(choice, step)) };
+        if sum > whole.cost || sum == f64::INFINITY {
+            return;
+        }
+        let way_left = self.distances.map_or(0, |distances| {
+            let (x, y) = sim.position(state, distances.player);
+            distances.of(sim.space(state, distances.player), x, y)
+        });
+        if sum < whole.cost || way_left < whole.way_left {
+            *whole = Best { cost: sum, way_left, way: Some(Way::Choice(choice, step)) };
         }
     }
 
@@ -159,7 +173,7 @@ impl Tracker {
                 Way::Choice(choice, step) => script(*choice, *step),
                 Way::Script(script) => script.clone(),
             };
-            Some(Near { cost: best.cost, script })
+            Some(Near { cost: best.cost, way_left: best.way_left, script })
         };
         let mut parts: Vec<Option<Near>> = self.best.iter().map(near).collect();
         let whole = parts.pop().flatten();

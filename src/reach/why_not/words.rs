@@ -112,7 +112,8 @@ impl Describer<'_> {
             (Gauge::Room(slot, _), distance) => {
                 let room = &self.sim.world().spaces[self.sim.space(state, *slot)].name;
                 match distance {
-                    Some(1.0) | None => format!("is in `{room}`"),
+                    None => format!("is in `{room}`"),
+                    Some(1.0) => format!("is in `{room}`, a room away"),
                     Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
                 }
             }
@@ -122,7 +123,13 @@ impl Describer<'_> {
                 format!("is in `{}`", instance.entity().modes[mode].path)
             }
             (Gauge::Contact(contact), None) if !contact.is_in_room(self.sim, state) => {
-                "has nothing to touch in this room".to_string()
+                let space = self.sim.space(state, contact.slot());
+                let room = &self.sim.world().spaces[space].name;
+                match contact.rooms_away(space) {
+                    Some(1) => format!("is in `{room}`, a room away"),
+                    Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
+                    None => "has nothing to touch".to_string(),
+                }
             }
             (Gauge::Contact(contact), None) if !contact.has_body(self.sim, state) => {
                 "the body that would touch it is not there".to_string()

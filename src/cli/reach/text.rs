@@ -3,8 +3,8 @@
 use std::io::{self, IsTerminal};
 
 use crate::reach::Conclusion;
-use crate::reach::why_not::WhyNot;
 use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
+use crate::reach::why_not::WhyNot;
 use crate::reach::{End, Luck};
 
 use super::files::Saved;

@@ -13,7 +13,13 @@ const MAX_LISTED: usize = 3;
 const MAX_HINTS: usize = 2;
 
 /// The lines of an answer.
-pub(super) fn why_not_text(answer: &Answer, query: &Query, detail: Detail, is_verbose: bool, has_rooms: bool) -> String {
+pub(super) fn why_not_text(
+    answer: &Answer,
+    query: &Query,
+    detail: Detail,
+    is_verbose: bool,
+    has_rooms: bool,
+) -> String {
     let Some(why) = &answer.why_not else { return String::new() };
     let mut out = String::new();
     let mut line = |word: &str, text: &str| out.push_str(&format!("    {word:7} {text}\n"));
@@ -101,15 +107,9 @@ fn closed(why: &WhyNot, is_verbose: bool) -> Vec<String> {
         format!("{} in `{}` (edge{place}: {why})", closed.instance, closed.mode)
     };
     // A link is the border; what is behind closed rooms is not.
-    let mut rooms: Vec<String> =
-        why.rooms.iter().filter(|room| is_verbose || room.from.is_some()).map(room).collect();
+    let mut rooms: Vec<String> = why.rooms.iter().filter(|room| is_verbose || room.from.is_some()).map(room).collect();
     shorten(&mut rooms, is_verbose);
-    let mut modes: Vec<String> = why
-        .modes
-        .iter()
-        .filter(|mode| is_verbose || mode.is_asked)
-        .map(mode)
-        .collect();
+    let mut modes: Vec<String> = why.modes.iter().filter(|mode| is_verbose || mode.is_asked).map(mode).collect();
     shorten(&mut modes, is_verbose);
     rooms.append(&mut modes);
     rooms

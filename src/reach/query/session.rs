@@ -310,7 +310,8 @@ impl Session {
         if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {
             let limits = Limits { nodes: limits.nodes.min(SAMPLE_NODES), ..*limits };
             let settings = Settings { records: false, planner: Planner::Auto, ..*settings };
-            let sample = search(&problem, &self.space, &settings, &limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
+            let sample =
+                search(&problem, &self.space, &settings, &limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
             if matches!(sample.verdict, Verdict::Reached(_)) {
                 // Against the proof: what was replayed counts.
                 outcome = sample;

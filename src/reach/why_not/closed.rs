@@ -49,7 +49,9 @@ pub(super) fn closed_rooms(
             let text = describer.text(guard);
             match first {
                 Some(part) if part.text == text => part,
-                Some(part) => super::record::PartState { words: format!("`{}` {}", part.text, part.words), text, ..part },
+                Some(part) => {
+                    super::record::PartState { words: format!("`{}` {}", part.text, part.words), text, ..part }
+                }
                 None => super::record::PartState {
                     text,
                     holds: true,

@@ -186,7 +186,8 @@ fn static_boxes(space: &Space, tags: TagSet) -> Vec<Bounds> {
         let mut next = Vec::with_capacity(runs.len());
         for run in runs {
             let is_same = |known: &Bounds| {
-                (known.left, known.right) == (run.left, run.right) && (known.top == run.bottom || known.bottom == run.top)
+                (known.left, known.right) == (run.left, run.right)
+                    && (known.top == run.bottom || known.bottom == run.top)
             };
             match open.iter().position(is_same) {
                 Some(at) => next.push(open.swap_remove(at).join(run)),

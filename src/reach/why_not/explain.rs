@@ -42,10 +42,7 @@ pub(in super::super) fn explain(
     let by_itself = |((id, term), near): ((&ExprId, &Term), &Option<Near>)| {
         let cost = |state: &[u8]| term.cost(problem.sim, state, f64::INFINITY);
         let replayed = replay(problem, near.as_ref()?, kept, &cost, meter)?;
-        Some(PartNearest {
-            part: describer.part(*id, term, &replayed.state),
-            at: Some(point(problem, &replayed)),
-        })
+        Some(PartNearest { part: describer.part(*id, term, &replayed.state), at: Some(point(problem, &replayed)) })
     };
     let several = if parts.terms.len() > 1 { parts.ids.len() } else { 0 };
     let all = parts.ids.iter().zip(&parts.terms).zip(&nearest.parts).take(several);
@@ -63,7 +60,9 @@ pub(in super::super) fn explain(
         highest_jump: seen.highest.size,
         longest_jump: seen.longest.size,
         rooms: closed_rooms(problem, &describer, seen, whole.as_ref().map(|whole| &*whole.state)),
-        modes: whole.as_ref().map_or(Vec::new(), |whole| closed_modes(problem, sources, (&parts, seen), (&whole.script, &whole.state))),
+        modes: whole
+            .as_ref()
+            .map_or(Vec::new(), |whole| closed_modes(problem, sources, (&parts, seen), (&whole.script, &whole.state))),
     })
 }
 

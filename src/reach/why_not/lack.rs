@@ -128,15 +128,21 @@ impl Term {
         match self {
             Term::Atom(atom) => atom.lack(sim, state, limit).cost,
             Term::While(slot, inner) => {
-                if sim.world().layout.slots[*slot].alive(state) { inner.cost(sim, state, limit) } else { GONE }
+                if sim.world().layout.slots[*slot].alive(state) {
+                    inner.cost(sim, state, limit)
+                } else {
+                    GONE
+                }
             }
             Term::Unless(slot, inner) => {
-                if sim.world().layout.slots[*slot].alive(state) { inner.cost(sim, state, limit) } else { 0.0 }
+                if sim.world().layout.slots[*slot].alive(state) {
+                    inner.cost(sim, state, limit)
+                } else {
+                    0.0
+                }
             }
             Term::All(terms) => terms.iter().map(|term| term.cost(sim, state, limit)).sum(),
-            Term::Any(terms) => {
-                terms.iter().map(|term| term.cost(sim, state, limit)).fold(f64::INFINITY, f64::min)
-            }
+            Term::Any(terms) => terms.iter().map(|term| term.cost(sim, state, limit)).fold(f64::INFINITY, f64::min),
         }
     }
 }
@@ -309,12 +315,10 @@ impl Builder<'_> {
                 (gauge, unit)
             }
             Expr::Near { of: Subject::Slot(slot), x, y, radius } => (Gauge::Circle(slot, [x, y, radius]), Unit::PX),
-            Expr::Touching(Subject::Slot(slot), touch) if wanted => {
-                match Contact::new(self.problem, slot, touch) {
-                    Some(contact) => (Gauge::Contact(contact), Unit::PX),
-                    None => unmeasured,
-                }
-            }
+            Expr::Touching(Subject::Slot(slot), touch) if wanted => match Contact::new(self.problem, slot, touch) {
+                Some(contact) => (Gauge::Contact(contact), Unit::PX),
+                None => unmeasured,
+            },
             Expr::InSpace(Subject::Slot(slot), space) if wanted => {
                 (Gauge::Room(slot, ways_to(self.world, |id| id == space)), Unit::ROOMS)
             }
@@ -371,11 +375,8 @@ fn hops_to(
 ) -> Vec<u32> {
     let entity = &program.entities[world.slots[slot].entity];
     let of_group = |leaf: LeafId| entity.modes[entity.leaves[leaf].mode].group == group;
-    let mut hops: Vec<u32> = entity
-        .leaves
-        .ids()
-        .map(|leaf| if of_group(leaf) && is_wanted(leaf) { 0 } else { u32::MAX })
-        .collect();
+    let mut hops: Vec<u32> =
+        entity.leaves.ids().map(|leaf| if of_group(leaf) && is_wanted(leaf) { 0 } else { u32::MAX }).collect();
     loop {
         let mut has_changed = false;
         for leaf in entity.leaves.ids().filter(|leaf| of_group(*leaf)) {

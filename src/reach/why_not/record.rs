@@ -112,7 +112,7 @@ pub struct PartNearest {
 pub struct WayEnd {
     /// The space.
     pub space: String,
-    /// The position of the player where it stood nearest to the goal, px.
+    /// The position of the player at the end of the footing on which it stood nearest to the goal, px.
     pub x: f64,
     /// The same.
     pub y: f64,

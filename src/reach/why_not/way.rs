@@ -5,6 +5,7 @@
 use crate::ir::{Bounds, Drive, EntityId, Push, SlotId, SpaceId, TagSet, VarId};
 use crate::sim::Simulator;
 
+use super::super::coverage::PLACE;
 use super::super::explore::{Explorer, Top};
 use super::super::goal_positions::{PositionBox, goal_positions};
 use super::super::problem::Problem;
@@ -122,11 +123,8 @@ impl Terrain<'_> {
             return self.unknown(stand);
         }
         let size = self.sized(needed, stand.space, 1);
-        let words = format!(
-            "from {} the goal needs a rise of {size}, and {}",
-            self.place(stand),
-            highest(seen, Some(needed))
-        );
+        let words =
+            format!("from {} the goal needs a rise of {size}, and {}", self.place(stand), highest(seen, Some(needed)));
         self.end(stand, Barrier::Height, Some((needed, 1)), words)
     }
 
@@ -167,37 +165,44 @@ impl Terrain<'_> {
             .collect();
         let faces = |b: &&Bounds| b.left >= front - SEAM && b.bottom < head - NEAR && b.top > feet + NEAR;
         let wall = blocks.iter().filter(faces).min_by(|a, b| a.left.total_cmp(&b.left));
-        if let Some(wall) = wall.filter(|wall| wall.left <= edge + SEAM && wall.left <= goal_at + (front - back)) {
-            return self.wall(stand, &blocks, wall.left, seen);
+        // What is further away was not seen to be where the way ends.
+        let is_close = |end: f64| end - front <= 2.0 * PLACE;
+        let is_in_front = |wall: &&Bounds| wall.left <= edge + SEAM && wall.left <= goal_at + (front - back);
+        if let Some(wall) = wall.filter(is_in_front) {
+            if !is_close(wall.left) {
+                return self.unknown(stand);
+            }
+            return self.wall(&self.moved(stand, sign * wall.left, sign), &blocks, wall.left, seen);
         }
-        if edge >= goal_at || edge == f64::NEG_INFINITY {
+        if edge >= goal_at || edge == f64::NEG_INFINITY || !is_close(edge) {
             return self.unknown(stand);
         }
+        let stand = self.moved(stand, sign * edge, sign);
         let next = tops.iter().filter(|(_, to, _)| *to > edge + SEAM).map(|(from, ..)| from.max(edge));
         let next = next.fold(f64::INFINITY, f64::min);
         let width = next - edge;
         let beyond = tops.iter().filter(|(from, to, _)| from.max(edge) <= next + SEAM && *to > edge + SEAM);
         let rise = beyond.map(|(.., y)| y - feet).fold(f64::INFINITY, f64::min).max(0.0);
         if next == f64::INFINITY {
-            let words = format!("{}: no footing from there to the goal, and {}", self.ends(stand), longest(seen));
-            return self.end(stand, Barrier::Gap, None, words);
+            let words = format!("{}: no footing from there to the goal, and {}", self.ends(&stand), longest(seen));
+            return self.end(&stand, Barrier::Gap, None, words);
         }
         // A body is on both sides of a gap a little.
         if width - (front - back) > seen.longest.size {
-            let words =
-                format!("{}: a gap of {}, and {}", self.ends(stand), self.sized(width, stand.space, 0), longest(seen));
-            return self.end(stand, Barrier::Gap, Some((width, 0)), words);
+            let size = self.sized(width, stand.space, 0);
+            let words = format!("{}: a gap of {size}, and {}", self.ends(&stand), longest(seen));
+            return self.end(&stand, Barrier::Gap, Some((width, 0)), words);
         }
         if rise > seen.highest.size {
             let words = format!(
                 "{}: the next footing is {} higher, and {}",
-                self.ends(stand),
+                self.ends(&stand),
                 self.sized(rise, stand.space, 1),
                 highest(seen, Some(rise))
             );
-            return self.end(stand, Barrier::Height, Some((rise, 1)), words);
+            return self.end(&stand, Barrier::Height, Some((rise, 1)), words);
         }
-        self.unknown(stand)
+        self.unknown(&stand)
     }
 
     /// A wall that begins at a distance along the way.
@@ -220,6 +225,14 @@ impl Terrain<'_> {
         let size = self.sized(rise, stand.space, 1);
         let words = format!("{}: a wall of {size}{high}, and {}", self.ends(stand), highest(seen, Some(rise)));
         self.end(stand, Barrier::Wall, Some((rise, 1)), words)
+    }
+
+    /// As if the player stood at the end of its way.
+    fn moved(&self, stand: &Stand, end: f64, sign: f64) -> Stand {
+        let half = (stand.body.right - stand.body.left) / 2.0;
+        let by = end - sign * half - f64::midpoint(stand.body.left, stand.body.right);
+        let body = Bounds { left: stand.body.left + by, right: stand.body.right + by, ..stand.body };
+        Stand { body, at: (stand.at.0 + by, stand.at.1), ..*stand }
     }
 
     fn unknown(&self, stand: &Stand) -> WayEnd {

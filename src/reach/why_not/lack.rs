@@ -44,6 +44,8 @@ pub(super) struct Atom {
     pub gauge: Gauge,
     /// The unit of the distance.
     pub unit: Unit,
+    /// What 1 of it counts as, in tiles.
+    weight: f64,
 }
 
 /// How the distance of an atom is measured.
@@ -126,7 +128,7 @@ impl Term {
     #[inline]
     pub fn cost(&self, sim: &Simulator, state: &[u8], limit: f64) -> f64 {
         match self {
-            Term::Atom(atom) => atom.lack(sim, state, limit).cost,
+            Term::Atom(atom) => atom.cost(sim, state, limit),
             Term::While(slot, inner) => {
                 if sim.world().layout.slots[*slot].alive(state) {
                     inner.cost(sim, state, limit)
@@ -159,20 +161,19 @@ impl Term {
 }
 
 impl Atom {
-    /// What it lacks in a state. What is known to cost at least `limit` need not be exact.
-    #[inline]
-    pub fn lack(&self, sim: &Simulator, state: &[u8], limit: f64) -> Lack {
-        match &self.gauge {
-            Gauge::Var(slot, var, degree, op, bound) => {
-                let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
-                Lack::by(holds(*op, value, *bound), (value - bound).abs(), self.unit)
-            }
-            _ => self.compute(sim, state, limit),
+    /// As the cost of [`Atom::lack`].
+    #[inline(always)]
+    fn cost(&self, sim: &Simulator, state: &[u8], limit: f64) -> f64 {
+        if let Gauge::Var(slot, var, degree, op, bound) = &self.gauge {
+            let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
+            return if holds(*op, value, *bound) { 0.0 } else { LEAST + (value - bound).abs() * self.weight };
         }
+        self.lack(sim, state, limit).cost
     }
 
+    /// What it lacks in a state. What is known to cost at least `limit` need not be exact.
     #[inline(never)]
-    fn compute(&self, sim: &Simulator, state: &[u8], limit: f64) -> Lack {
+    pub fn lack(&self, sim: &Simulator, state: &[u8], limit: f64) -> Lack {
         let number = |id| sim.number(state, id);
         let truth = || sim.holds(state, self.id).map(|holds| holds == self.wanted);
         // What cannot be computed holds nowhere.
@@ -287,7 +288,7 @@ impl Builder<'_> {
             Expr::Or(a, b) => both(a, b, !wanted),
             _ => {
                 let (gauge, unit) = self.gauge(id, wanted);
-                Term::Atom(Atom { id, wanted, gauge, unit })
+                Term::Atom(Atom { id, wanted, gauge, unit, weight: unit.weight() })
             }
         }
     }

@@ -158,7 +158,7 @@ fn world(entity: &str, body: &str, goal: &str) -> String {
 
 /// Asks for the first goal, with the analysis and the default planner.
 fn ask(text: &str, planner: Planner, nodes: u64, change: impl Fn(&mut Query)) -> (Arc<Program>, Answer) {
-    let compiled = hypedc::compile::compile(Path::new("test.hyped"), &Text(text));
+    let compiled = compile(Path::new("test.hyped"), &Text(text));
     let sources = compiled.sources.clone();
     let program = program(compiled);
     let answer = answer(&program, &sources, Target::Goal(hypedc::ir::GoalId(0)), planner, nodes, change);
@@ -240,7 +240,7 @@ const KNOWN: [Known; 20] = [
 fn the_nearest_state_is_as_near_as_can_be_worked_out() {
     let mut wrong = String::new();
     for Known { entity, body, goal, missing } in &KNOWN {
-        let (program, answer) = ask(&world(entity, body, goal), Planner::Auto, 30_000, |_| {});
+        let (program, answer) = ask(&world(entity, body, goal), Planner::Auto, 10_000, |_| {});
         let why = why(&answer);
         let nearest = why.nearest.as_ref().unwrap();
         let found: Vec<&PartState> = nearest.parts.iter().filter(|part| !part.holds).collect();

@@ -103,10 +103,10 @@ pub(super) fn plan<'f>(found: &'f Found<'_>) -> Option<&'f Plan> {
     }
 }
 
-/// The way to the state that came nearest, of a goal that was not reached.
+/// The way to the state that came nearest, of a goal that was not reached; none if that is the start.
 pub(super) fn nearest<'f>(found: &'f Found<'_>, answer: &Answer) -> Option<&'f Script> {
     // Only what was replayed is part of an answer.
-    answer.why_not.as_ref()?.nearest.as_ref()?;
+    answer.why_not.as_ref()?.nearest.as_ref().filter(|nearest| nearest.at.step > 0)?;
     Some(&found.outcome.nearest.as_ref()?.whole.as_ref()?.script)
 }
 

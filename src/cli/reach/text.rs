@@ -74,7 +74,8 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
     if !answer.reasons.is_empty() {
         notes.push(answer.reasons.join("; "));
     }
-    if let Some(phrase) = answer.why_not.as_ref().and_then(WhyNot::phrase) {
+    let is_drawn = |why: &&WhyNot| why.nearest.as_ref().is_some_and(|nearest| nearest.at.step > 0);
+    if let Some(phrase) = answer.why_not.as_ref().filter(is_drawn).and_then(WhyNot::phrase) {
         notes.push(format!("the line leads to the nearest state: {phrase}"));
     }
     if let (Some(planner), 1..) = (&answer.answered_by, answer.nodes) {

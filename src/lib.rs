@@ -28,12 +28,12 @@
 //! | [`analysis`] | abstract interpretation of the flat tables: the reachable values, and findings from them |
 //! | [`compile`] | the driver of the stages above |
 //! | [`sim`] | one step of time, input scripts, traces |
+//! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`reach`] | reachability queries: proofs, planners over the simulator, replay |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
 //! | [`view`] | pictures of searches |
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
-//! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |

@@ -20,3 +20,4 @@ mod stop;
 mod stuck;
 mod verdicts;
 mod why;
+mod why_not;

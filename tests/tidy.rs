@@ -26,12 +26,12 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("analysis", &["source", "watch", "diagnostic", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
-    ("reach", &["source", "watch", "ir", "analysis", "sim"]),
+    ("why", &["source", "ir", "sim"]),
+    ("reach", &["source", "watch", "ir", "analysis", "sim", "why"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir", "sim"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
-    ("why", &["source", "ir", "sim"]),
     (
         "studio",
         &[

@@ -48,6 +48,7 @@ mod start_hold;
 mod strategy;
 pub mod stuck;
 mod tree;
+pub mod why_not;
 mod window;
 
 pub use bounds::Sampling;

@@ -168,6 +168,7 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         threads: usize::from(args.threads),
         records: args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
+        explains: !args.explore && args.numbers.sweeps().is_empty(),
         ..Settings::default()
     })
 }

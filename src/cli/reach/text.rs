@@ -4,9 +4,11 @@ use std::io::{self, IsTerminal};
 
 use crate::reach::Conclusion;
 use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
+use crate::reach::why_not::WhyNot;
 use crate::reach::{End, Luck};
 
 use super::files::Saved;
+use super::why_not::why_not_text;
 use crate::cli::args::ReachArgs;
 
 /// `1 step`, `2 steps`
@@ -71,6 +73,10 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
     }
     if !answer.reasons.is_empty() {
         notes.push(answer.reasons.join("; "));
+    }
+    let is_drawn = |why: &&WhyNot| why.nearest.as_ref().is_some_and(|nearest| nearest.at.step > 0);
+    if let Some(phrase) = answer.why_not.as_ref().filter(is_drawn).and_then(WhyNot::phrase) {
+        notes.push(format!("the line leads to the nearest state: {phrase}"));
     }
     if let (Some(planner), 1..) = (&answer.answered_by, answer.nodes) {
         let c = &answer.coverage;
@@ -155,11 +161,13 @@ pub(super) struct Shown<'s> {
     /// Whether the world has several spaces.
     pub has_rooms: bool,
     pub detail: Detail,
+    /// Whether all is shown that is known.
+    pub is_verbose: bool,
 }
 
 /// An answer as text.
 pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
-    let Shown { query, saved, seconds, has_rooms, detail } = *shown;
+    let Shown { query, saved, seconds, has_rooms, detail, is_verbose } = *shown;
     let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query, has_rooms));
     if detail == Detail::Quiet {
         return out;
@@ -176,6 +184,7 @@ pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
     if let Some(inputs) = answer.inputs.as_ref().filter(|i| !i.is_empty()) {
         out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));
     }
+    out.push_str(&why_not_text(answer, query, detail, is_verbose, has_rooms));
     if let Some(path) = &saved.inputs {
         out.push_str(&format!("    saved   {}\n", path.display()));
     }

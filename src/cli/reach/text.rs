@@ -36,7 +36,12 @@ impl Detail {
         if args.quiet {
             return Detail::Quiet;
         }
-        if args.verbose || !io::stdout().is_terminal() {
+        Detail::on_terminal(args.verbose)
+    }
+
+    /// Whole scripts if they are asked for, else what fits into a line of this standard output.
+    pub fn on_terminal(verbose: bool) -> Detail {
+        if verbose || !io::stdout().is_terminal() {
             return Detail::Full;
         }
         let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());

@@ -18,5 +18,6 @@ mod reach;
 mod report_pages;
 mod stop;
 mod stuck;
+mod tune;
 mod verdicts;
 mod why;

@@ -35,6 +35,7 @@ mod shrink;
 mod situations;
 mod tally;
 mod updates;
+mod varied;
 mod witness;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -83,6 +84,19 @@ fn nothing_that_is_claimed_of_random_worlds_is_false() {
 #[test]
 fn nothing_that_is_claimed_of_changed_worlds_is_false() {
     holds(&Source::Changed(originals()), (1_500, 30_000), 60);
+}
+
+/// With one parameter that is any number of an interval.
+#[test]
+fn nothing_that_is_claimed_of_all_values_of_a_parameter_is_false() {
+    let mut all = varied::Varieties::default();
+    for seed in seeds(250, 14_000) {
+        varied::vary(seed, &mut all);
+    }
+    let varied::Varieties { worlds, is_read, ruled_out, states, reports } = all;
+    println!("{worlds} worlds, {is_read} with such an instance, {ruled_out} with a goal ruled out, {states} states");
+    assert!(reports.is_empty(), "{}", reports.join("\n\n"));
+    assert!(worlds > 150 && is_read > 100 && ruled_out > 5 && states > 20_000, "{worlds} {is_read} {ruled_out} {states}");
 }
 
 /// These programs once had a false verdict.

@@ -23,6 +23,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("stuck", closed(stuck::json_schema(), "What `hypedc stuck --format json` writes")),
         ("tune", closed(tune::json_schema(), "What `hypedc tune --format json` writes")),
+        ("tune-tiles", closed(tune::tiles_schema(), "What `hypedc tune --tiles --format json` writes")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
         ("why", closed(why::json_schema(), "What `hypedc why --format json` writes")),

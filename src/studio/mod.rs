@@ -13,6 +13,7 @@ mod search;
 mod session;
 mod sliders;
 
+pub(crate) use paint::Written;
 pub use project::Level;
 pub use protocol::*;
 pub use search::{Listener, Task};

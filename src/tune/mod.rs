@@ -12,10 +12,14 @@ mod oracle;
 mod parts;
 mod record;
 mod search;
+mod tiles;
 
 pub use axis::Axis;
 pub use record::{Change, NeverTrial, Part, Trial, Tuned};
 pub use search::tune;
+pub use tiles::{
+    LevelHost, LevelTrial, TileChange, TileEdit, TileQuestion, TileSet, TilesFound, tile_edits, tune_tiles,
+};
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::cli::args::level::{LevelArgs, seconds};
 use crate::cli::args::set::SetArgs;
@@ -11,7 +11,8 @@ use crate::cli::time::Time;
 
 #[derive(Debug, Args)]
 #[command(after_help = "A range is written `Hero.jump_speed=100..400`, or `Door.locks=1..5/1` with the step between two values. \
-Several numbers are varied one at a time; together only if none of them is enough alone.
+Several numbers are varied one at a time; together only if none of them is enough alone. With `--tiles`, the fewest tiles are \
+sought instead, in maps that are text.
 
 Exit codes: 0 if a change is found, or none is needed; 1 if none is found; 2 if the question could not be asked.")]
 pub(in crate::cli) struct TuneArgs {
@@ -26,8 +27,17 @@ pub(in crate::cli) struct TuneArgs {
     #[command(flatten)]
     pub numbers: SetArgs,
     /// A number to vary, with its range and perhaps the step between two values; up to four times.
-    #[arg(long, value_name = "NAME=A..B[/STEP]", value_parser = Vary::read, required = true, help_heading = "The change")]
+    #[arg(long, value_name = "NAME=A..B[/STEP]", value_parser = Vary::read, required_unless_present = "tiles", help_heading = "The change")]
     pub vary: Vec<Vary>,
+    /// Changes tiles of the level instead of numbers.
+    #[arg(long, value_enum, value_name = "HOW", conflicts_with_all = ["vary", "never", "csv", "svg"], help_heading = "The change")]
+    pub tiles: Option<TilesName>,
+    /// The character of the tile to add or to remove [default: any that blocks players; the most frequent one is added].
+    #[arg(long, value_name = "CHARACTER", requires = "tiles", help_heading = "The change")]
+    pub symbol: Option<char>,
+    /// Maximum number of tiles that are changed.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=5), requires = "tiles", help_heading = "The change")]
+    pub max: u8,
     /// The distance up to which the smallest change is narrowed down, in the unit of the number [default: a round number, at
     /// most a 500th of the range].
     #[arg(long, value_name = "NUMBER", value_parser = positive, help_heading = "The change")]
@@ -81,6 +91,20 @@ pub(in crate::cli) struct TuneArgs {
     /// Writes the inputs that reach the goal after the change to a file.
     #[arg(long, value_name = "PATH", conflicts_with = "prevent", help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
+    /// Writes the file that holds the map, with the changed tiles, to another file.
+    #[arg(long, value_name = "PATH", requires = "tiles", help_heading = "The result")]
+    pub save_map: Option<PathBuf>,
+}
+
+/// What may be done to tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum TilesName {
+    /// Empty tiles become solid.
+    Add,
+    /// Solid tiles become empty.
+    Remove,
+    /// Either.
+    Change,
 }
 
 /// A number with its range.

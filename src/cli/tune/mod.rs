@@ -4,9 +4,10 @@
 pub(in crate::cli) mod args;
 mod result;
 mod text;
+mod tiles;
 
 #[cfg(feature = "testing")]
-pub(in crate::cli) use result::json_schema;
+pub(in crate::cli) use {result::json_schema, tiles::json_schema as tiles_schema};
 
 use std::fs;
 use std::io::{self, Write};
@@ -56,6 +57,9 @@ pub(in crate::cli) fn run(args: &TuneArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
+    if let Some(change) = args.tiles {
+        return tiles::run(args, (&host, loaded, world), question.query, change);
+    }
     let found = tune(&host, &question);
     let result = record(args, &loaded, world, (&question, found), started.elapsed().as_secs_f64());
     show(args, &result)

@@ -26,10 +26,10 @@ pub(super) fn result_text(result: &TuneResult, args: &TuneArgs) -> String {
         (None, Some(base)) => {
             out.push_str(&format!("  goal {goal}: {} as it is, with {}\n", verdict(base), settings(result, base)));
             out.push_str(&format!("    no change was found with which it is {}\n", wanted(result)));
+            out.push_str(&parts_text(result));
         }
         (None, None) => {}
     }
-    out.extend(result.parts.iter().filter(|part| part.from < part.to).map(|part| part_text(result, part)));
     if result.trials.len() > 1 {
         out.push_str(&table(result));
         out.push_str("  of values between these nothing is known, except in a part that is proven\n");
@@ -125,6 +125,7 @@ fn change_text(result: &TuneResult, change: &Change, is_verbose: bool) -> String
     } else {
         out.push_str("    smallest  of what was tried; it is not proven that no smaller change is enough\n");
     }
+    out.push_str(&parts_text(result));
     let set: Vec<String> = result.change_set.iter().map(|set| format!("--set {set}")).collect();
     out.push_str(&format!("    go on     {}\n", set.join(" ")));
     out
@@ -137,6 +138,10 @@ fn not_wanted(trial: &Trial) -> String {
         Some(never) => format!("{}, but never {} is violated", verdict(trial), never.name),
         None => verdict(trial),
     }
+}
+
+fn parts_text(result: &TuneResult) -> String {
+    result.parts.iter().filter(|part| part.from < part.to).map(|part| part_text(result, part)).collect()
 }
 
 fn part_text(result: &TuneResult, part: &Part) -> String {

@@ -43,7 +43,7 @@ impl Host for Texts<'_> {
 /// What is found when some numbers of a text are varied.
 fn tuned(text: &str, vary: &[(&str, f64, f64)], ask: impl FnOnce(&mut Question)) -> Tuned {
     let axis = |(path, low, high): &(&str, f64, f64)| {
-        let written = written_number(Path::new("test.hyped"), &Text(text), path).unwrap();
+        let written = written_number(Path::new("test.hyped"), &Text(text), path).ok().unwrap();
         Axis::new(path, &written.unit, written.literal.unwrap(), (*low, *high), None).unwrap()
     };
     let query = Query { limits: Limits { nodes: 1_500, ..Limits::default() }, ..Query::new(vec![Target::Goal(GOAL)]) };

@@ -11,7 +11,7 @@ use serde_json::Value;
 const TINY: [&str; 7] = ["paper", "--seeds", "2", "--seconds", "600", "--nodes", "300"];
 
 const HEADER: &str = "test,goal,planner,restarts,bounds,metric,hold,seed,verdict,nodes,trees,extensions,steps,seconds,\
-                      path_steps,program_sha256,version";
+                      path_steps,program_sha256,version,set";
 
 fn experiment_in(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).arg("experiment").args(arguments).current_dir(folder).output().unwrap()

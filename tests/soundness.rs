@@ -96,7 +96,10 @@ fn nothing_that_is_claimed_of_all_values_of_a_parameter_is_false() {
     let varied::Varieties { worlds, is_read, ruled_out, states, reports } = all;
     println!("{worlds} worlds, {is_read} with such an instance, {ruled_out} with a goal ruled out, {states} states");
     assert!(reports.is_empty(), "{}", reports.join("\n\n"));
-    assert!(worlds > 150 && is_read > 100 && ruled_out > 5 && states > 20_000, "{worlds} {is_read} {ruled_out} {states}");
+    assert!(
+        worlds > 150 && is_read > 100 && ruled_out > 5 && states > 20_000,
+        "{worlds} {is_read} {ruled_out} {states}"
+    );
 }
 
 /// These programs once had a false verdict.

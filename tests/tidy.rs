@@ -32,7 +32,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
     ("why", &["source", "ir", "sim"]),
-    ("tune", &["source", "watch", "json", "ir", "analysis", "compile", "sim", "reach"]),
+    ("tune", &["source", "watch", "json", "diagnostic", "ir", "analysis", "compile", "sim", "reach"]),
     (
         "studio",
         &[

@@ -95,7 +95,10 @@ fn assert_near(found: &Tuned, known: f64, what: &str) {
     assert!(turned.is_wanted && !before.is_wanted);
     // The known threshold lies between the two.
     let slack = 1e-9 * known.abs();
-    assert!(inner.min(outer) <= known + slack && known - slack <= inner.max(outer), "{what}: {inner}, {known}, {outer}");
+    assert!(
+        inner.min(outer) <= known + slack && known - slack <= inner.max(outer),
+        "{what}: {inner}, {known}, {outer}"
+    );
 }
 
 /// A hero in the open who jumps, and moves only in the air.
@@ -259,7 +262,8 @@ fn nothing_changes_where_nothing_needs_to() {
 /// A value that is given where an instance is placed does not follow the default.
 #[test]
 fn a_given_value_stays() {
-    let text = jumper(120.0, -900.0, 60.0, "hero.y >= 60").replace("hero: Hero at", "hero: Hero { jump_speed = 150 } at");
+    let text =
+        jumper(120.0, -900.0, 60.0, "hero.y >= 60").replace("hero: Hero at", "hero: Hero { jump_speed = 150 } at");
     let found = tuned(&text, &[("Hero.jump_speed", 100.0, 600.0)], |_| {});
     assert!(found.change.is_none());
     assert_eq!(found.parts.len(), 1, "{:?}", found.parts);

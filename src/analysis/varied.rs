@@ -4,9 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::ir::{
-    EntityId, Expr, ExprId, Origin, ParamId, Program, SlotId, Subject, World, WorldId,
-};
+use crate::ir::{EntityId, Expr, ExprId, Origin, ParamId, Program, SlotId, Subject, World, WorldId};
 use crate::watch::Watch;
 
 use super::domain::unknown::{Dependent, Unknown};
@@ -76,12 +74,7 @@ impl Varied {
 
     /// Adds the analysis that distinguishes players by place; see [`ConfigurationSpace::by_place`].
     #[must_use]
-    pub fn by_place(
-        &self,
-        space: ConfigurationSpace,
-        predicates: &[ExprId],
-        watch: &dyn Watch,
-    ) -> ConfigurationSpace {
+    pub fn by_place(&self, space: ConfigurationSpace, predicates: &[ExprId], watch: &dyn Watch) -> ConfigurationSpace {
         space.varied_by_place(&self.program, self.world, predicates, &self.unknown, watch)
     }
 

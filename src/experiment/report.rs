@@ -57,11 +57,11 @@ impl Report<'_> {
         for (index, question) in self.questions.iter().enumerate() {
             if !question.set.is_empty() {
                 // One table for all values, where the first of them is.
-                let is_same = |other: &&Question<'_>| {
-                    (&other.test, other.goal_name()) == (&question.test, question.goal_name())
-                };
+                let is_same =
+                    |other: &&Question<'_>| (&other.test, other.goal_name()) == (&question.test, question.goal_name());
                 if self.questions.iter().position(|other| is_same(&other)) == Some(index) {
-                    let same: Vec<usize> = (0..self.questions.len()).filter(|at| is_same(&&self.questions[*at])).collect();
+                    let same: Vec<usize> =
+                        (0..self.questions.len()).filter(|at| is_same(&&self.questions[*at])).collect();
                     out.push_str(&self.sweep(question, &same, &rows));
                 }
                 continue;

@@ -35,13 +35,7 @@ impl Axis {
     /// A number with its range. Without a step, it is at most a 500th of the range, and round.
     ///
     /// Why there are no values to try.
-    pub fn new(
-        name: &str,
-        unit: &str,
-        base: f64,
-        (low, high): (f64, f64),
-        step: Option<f64>,
-    ) -> Result<Axis, String> {
+    pub fn new(name: &str, unit: &str, base: f64, (low, high): (f64, f64), step: Option<f64>) -> Result<Axis, String> {
         let ends = [base, low, high].into_iter().chain(step);
         if !ends.into_iter().all(f64::is_finite) || high <= low {
             return Err(format!("the range of `{name}` is empty: write the smaller number first, as in `100..400`"));

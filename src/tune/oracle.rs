@@ -1,6 +1,7 @@
 //! Judges values: replays the ways that are known, then searches and proves as `hypedc reach` does.
 
 use crate::compile::NumberSetting;
+use crate::diagnostic::{Diagnostics, render};
 use crate::reach::query::{QueryError, Session};
 use crate::reach::{Conclusion, Luck, Problem, Target, Verdict, plan_from_script};
 use crate::sim::{Input, Script, Simulator};
@@ -36,10 +37,8 @@ impl<'h> Oracle<'h> {
     pub fn build(&self, values: &[f64]) -> Result<Built, String> {
         let axes = self.question.axes.iter().zip(values);
         // What the program has stays as it is written.
-        let changed: Vec<(&Axis, String)> = axes
-            .filter(|(axis, value)| **value != axis.base)
-            .map(|(axis, value)| (axis, Axis::text(*value)))
-            .collect();
+        let changed: Vec<(&Axis, String)> =
+            axes.filter(|(axis, value)| **value != axis.base).map(|(axis, value)| (axis, Axis::text(*value))).collect();
         let numbers: Vec<NumberSetting<'_>> =
             changed.iter().map(|(axis, value)| NumberSetting { path: &axis.name, value }).collect();
         self.host.build(&numbers)
@@ -110,7 +109,9 @@ impl<'h> Oracle<'h> {
         let mut found = match session.find(target, watch) {
             Ok(found) => found,
             Err(QueryError::Fault(fault, step)) => {
-                return failed(format!("a run-time error at step {step}: {fault:?}"));
+                let mut found = Diagnostics::new();
+                found.report(fault.fact(&built.program, built.world, step));
+                return failed(render::short(&built.sources, found.iter()).trim_end().to_string());
             }
             Err(QueryError::Over { .. }) => return failed("the run is over before it begins".to_string()),
         };
@@ -192,7 +193,8 @@ impl<'h> Oracle<'h> {
         let known = ways.iter().map(|(of, way)| (*of, longer(way, &sim)));
         let exact = known.clone().find_map(|(of, way)| Some((of, plan_from_script(&problem, &way, 0, watch)?)));
         let near = || {
-            let first = known.clone().take(2).flat_map(|(of, way)| near(&way).map(move |way| (of, way)).collect::<Vec<_>>());
+            let first =
+                known.clone().take(2).flat_map(|(of, way)| near(&way).map(move |way| (of, way)).collect::<Vec<_>>());
             first.into_iter().find_map(|(of, way)| Some((of, plan_from_script(&problem, &way, 0, watch)?)))
         };
         let (of, plan) = exact.or_else(near)?;
@@ -213,7 +215,7 @@ impl<'h> Oracle<'h> {
 }
 
 /// The luck of a way, in a world in which nature draws.
-fn luck(sim: &Simulator, problem: &Problem<'_>, way: &Script) -> Option<Luck> {
+pub(super) fn luck(sim: &Simulator, problem: &Problem<'_>, way: &Script) -> Option<Luck> {
     let is_chosen = !sim.draws().is_empty() && !problem.is_foretold();
     is_chosen.then(|| Luck::of(problem, way, 0)).flatten()
 }

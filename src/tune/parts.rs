@@ -29,7 +29,8 @@ impl Oracle<'_> {
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut prover = Prover { oracle: self, number, analyses: 0 };
         let mut parts: Vec<(f64, f64)> = Vec::new();
-        for run in known.chunk_by(|a, b| a.1 == b.1).filter(|run| run.first().is_some_and(|(_, is_proven)| *is_proven)) {
+        for run in known.chunk_by(|a, b| a.1 == b.1).filter(|run| run.first().is_some_and(|(_, is_proven)| *is_proven))
+        {
             let values: Vec<f64> = run.iter().map(|(value, _)| *value).collect();
             prover.prove_run(&values, &mut parts);
         }
@@ -196,7 +197,8 @@ fn range(low: &Built, high: &Built, axis: &Axis) -> Option<ParamRange> {
         built.program.constant(default, &IdVec::new(), built.program.worlds.get(world)?.step)
     };
     let (a, b) = (default(low)?, default(high)?);
-    let is_same = low.world == high.world && comparable(&low.program, world, (entity, param))? == comparable(&high.program, world, (entity, param))?;
+    let is_same = low.world == high.world
+        && comparable(&low.program, world, (entity, param))? == comparable(&high.program, world, (entity, param))?;
     is_same.then_some(ParamRange { entity, param, values: Interval { low: a.min(b), high: a.max(b) } })
 }
 

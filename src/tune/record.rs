@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::reach::query::ProofMethod;
 use crate::reach::{Conclusion, Luck, Refutation};
 
-use super::axis::Axis;
 use super::Built;
+use super::axis::Axis;
 
 /// What came of some values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

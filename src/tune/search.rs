@@ -32,7 +32,8 @@ pub fn tune(host: &dyn Host, question: &Question) -> Tuned {
         withdraw(&mut found, question);
         change = change.filter(|change| found.trials[change.trial].is_wanted);
     }
-    found.change = change.map(|change| Change { is_proven_smallest: is_proven_smallest(&found, &change, &singles), ..change });
+    found.change =
+        change.map(|change| Change { is_proven_smallest: is_proven_smallest(&found, &change, &singles), ..change });
     found
 }
 
@@ -58,7 +59,8 @@ fn smallest(oracle: &mut Oracle<'_>, ways: &[Way]) -> Option<Change> {
         let size = far * level as f64 / samples as f64;
         for (number, way) in ways.iter().enumerate() {
             let count = way.points.partition_point(|(_, of)| *of <= size * (1.0 + ROUNDING));
-            let Some(at) = count.checked_sub(1).filter(|at| tried[number].last().is_none_or(|(last, _)| last < at)) else {
+            let Some(at) = count.checked_sub(1).filter(|at| tried[number].last().is_none_or(|(last, _)| last < at))
+            else {
                 continue;
             };
             let Some(trial) = oracle.judge(&way.points[at].0) else { return best(oracle, ways, &tried) };

@@ -12,11 +12,12 @@ use crate::analysis::watched_space;
 use crate::ir::{Bounds, ExprId, Origin, Program, Push, SpaceId, TagId, TagSet, TileKind, World};
 use crate::reach::query::{Query, Session};
 use crate::reach::{
-    Conclusion, Limits, Problem, Proof, Settings, Verdict, Visited, distance_to_goal, plan_from_script, search,
+    Conclusion, Limits, Luck, Problem, Settings, Verdict, Visited, distance_to_goal, plan_from_script, search,
 };
 use crate::sim::{Script, Simulator};
 use crate::watch::Watch;
 
+use super::oracle::luck;
 use super::{Built, Wanted};
 
 /// Number of nodes of the search for one set of tiles.
@@ -102,6 +103,9 @@ pub struct LevelTrial {
     pub seconds_of_play: Option<f64>,
     /// The path, as an input script that was replayed in this level; null if there is none.
     pub inputs: Option<String>,
+    /// The luck that the path needs; left out in a world without chances.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub luck: Option<Luck>,
     /// Why there is no way, a sentence each.
     pub reasons: Vec<String>,
 }
@@ -163,7 +167,7 @@ struct Tiles<'h> {
 
 /// What a short search says of a level.
 struct Quick {
-    way: Option<(Script, String)>,
+    way: Option<(Script, String, Option<Luck>)>,
     /// How near it comes to the goal, px, and how much it covers.
     score: (f64, u64),
     places: Vec<Visited>,
@@ -201,6 +205,7 @@ impl Tiles<'_> {
                         steps: answer.steps,
                         seconds_of_play: answer.seconds_of_play,
                         inputs: answer.inputs,
+                        luck: answer.luck,
                         reasons: answer.reasons,
                     })
                 }
@@ -231,7 +236,8 @@ impl Tiles<'_> {
             let most = if count == 1 { MAX_SINGLES } else { NEXT };
             let mut tried: BTreeSet<Vec<TileEdit>> = BTreeSet::new();
             for (edits, places) in std::mem::take(&mut beam) {
-                for edit in self.by_promise(&plain, &places).into_iter().filter(|edit| !edits.contains(edit)).take(most) {
+                for edit in self.by_promise(&plain, &places).into_iter().filter(|edit| !edits.contains(edit)).take(most)
+                {
                     let mut set = edits.clone();
                     set.push(edit);
                     set.sort();
@@ -256,7 +262,7 @@ impl Tiles<'_> {
 
     /// Keeps tiles with which the goal is reached.
     fn accept(&mut self, edits: Vec<TileEdit>, quick: Quick, base: Conclusion) {
-        let Some((way, inputs)) = quick.way else { return };
+        let Some((way, inputs, luck)) = quick.way else { return };
         let Ok(built) = self.host.build(&edits) else { return };
         let steps = way.len();
         let is_fewest = base == Conclusion::ProvenUnreachable
@@ -270,20 +276,18 @@ impl Tiles<'_> {
             steps: Some(steps),
             seconds_of_play: Some(steps as f64 * built.program.worlds[built.world].step.seconds()),
             inputs: Some(inputs),
+            luck,
             reasons: Vec::new(),
         };
         self.found.set = Some(TileSet { edits, trial, is_fewest });
     }
 
-    /// Whether the analysis proves of each single tile that it is not enough.
+    /// Whether of each single tile it is proven that it is not enough.
     fn no_single_is_enough(&mut self) -> bool {
         let question = self.question;
         question.edits.iter().all(|edit| {
-            let edits = [edit.clone()];
-            let Ok(built) = self.host.build(&edits) else { return true };
-            let mut is_proven = false;
-            self.host.watched(&label(&edits), &mut |watch| is_proven = proof(question, &built, watch));
-            is_proven && !self.host.is_stopped()
+            let judged = self.judge(std::slice::from_ref(edit));
+            !self.stops() && judged.is_ok_and(|trial| trial.verdict == Conclusion::ProvenUnreachable)
         })
     }
 
@@ -442,23 +446,14 @@ fn quick(question: &TileQuestion, built: &Built, nodes: u64, watch: &dyn Watch) 
     let limits = Limits { nodes: nodes.min(query.limits.nodes), ..query.limits };
     let outcome = search(&problem, &space, &settings, &limits, watch).ok()?;
     let way = match &outcome.verdict {
-        Verdict::Reached(plan) => Some((plan.script.clone(), plan.script.text(&built.program, built.world))),
+        Verdict::Reached(plan) => {
+            let text = plan.script.text(&built.program, built.world);
+            Some((plan.script.clone(), text, luck(&sim, &problem, &plan.script)))
+        }
         _ => None,
     };
     let far = distance_to_goal(&problem, &outcome.record).unwrap_or(0.0);
     Some(Quick { way, score: (far, outcome.covered.all.places), places: outcome.record })
-}
-
-/// Whether the analysis proves that the goal cannot be reached.
-fn proof(question: &TileQuestion, built: &Built, watch: &dyn Watch) -> bool {
-    let query = &question.query;
-    let sim = Simulator::new(&built.program, built.world);
-    let Some(&target) = query.targets.first() else { return false };
-    let Ok(Some(problem)) = query.problem(&sim, target, watch) else { return false };
-    let rules = rules(query, built);
-    let space = watched_space(&built.program, built.world, &rules, watch);
-    Proof::of(&problem, &space).is_some()
-        || Proof::of(&problem, &space.by_place(&built.program, built.world, &rules, watch)).is_some()
 }
 
 /// The predicates of the `never`s that end a run.

@@ -52,7 +52,12 @@ pub fn vary(seed: u64, out: &mut Varieties) {
     let Some(plain) = hypedc::compile::compile(Path::new("test.hyped"), &Text(&text)).program else { return };
     let mut rng = Pcg64::seed_from_u64(seed ^ 0x7475_6e65);
     let params = plain.entities.pairs().flat_map(|(id, entity)| {
-        entity.params.ids().filter(|param| entity.params[*param].name != "start.x").map(move |param| (id, param)).collect::<Vec<_>>()
+        entity
+            .params
+            .ids()
+            .filter(|param| entity.params[*param].name != "start.x")
+            .map(move |param| (id, param))
+            .collect::<Vec<_>>()
     });
     let literal = |of: &(hypedc::ir::EntityId, ParamId)| {
         let param = &plain.entities[of.0].params[of.1];

@@ -77,7 +77,13 @@ fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         };
         let loaded = Loaded { sources: files, program };
-        sources.push(Source { name: paper.name().to_string(), set: String::new(), swept: Vec::new(), paper: Some(paper), loaded });
+        sources.push(Source {
+            name: paper.name().to_string(),
+            set: String::new(),
+            swept: Vec::new(),
+            paper: Some(paper),
+            loaded,
+        });
     }
     let is_selected = |source: &Source, goal: &str| source.paper != Some(Test::Two) || goal == args.goal.name();
     experiment(&sources, &is_selected, &PLANNERS, &args.options)

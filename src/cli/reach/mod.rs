@@ -11,7 +11,7 @@ mod result;
 mod sweep;
 mod text;
 
-pub(in crate::cli) use text::{Detail as ScriptDetail, counted};
+pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
 pub(in crate::cli) use {
     explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,

@@ -88,7 +88,7 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
 }
 
 /// `, with luck: 1 in 36`; nothing if none is needed.
-pub(super) fn with_luck(luck: Option<&Luck>) -> String {
+pub(in crate::cli) fn with_luck(luck: Option<&Luck>) -> String {
     luck.filter(|luck| !luck.is_none()).map_or(String::new(), |luck| format!(", with luck: {}", luck.words()))
 }
 

@@ -10,11 +10,13 @@ use crate::cli::args::{ResultFormat, chance_seed};
 use crate::cli::time::Time;
 
 #[derive(Debug, Args)]
-#[command(after_help = "A range is written `Hero.jump_speed=100..400`, or `Door.locks=1..5/1` with the step between two values. \
+#[command(
+    after_help = "A range is written `Hero.jump_speed=100..400`, or `Door.locks=1..5/1` with the step between two values. \
 Several numbers are varied one at a time; together only if none of them is enough alone. With `--tiles`, the fewest tiles are \
 sought instead, in maps that are text.
 
-Exit codes: 0 if a change is found, or none is needed; 1 if none is found; 2 if the question could not be asked.")]
+Exit codes: 0 if a change is found, or none is needed; 1 if none is found; 2 if the question could not be asked."
+)]
 pub(in crate::cli) struct TuneArgs {
     /// The program.
     #[arg(value_name = "FILE")]

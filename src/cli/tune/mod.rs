@@ -132,8 +132,8 @@ fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Ques
     let table = &loaded.program.worlds[world];
     let goal = chosen_goal(table, args.goal.as_deref()).map_err(Refusal::of)?;
     let min_hold = args.min_hold.map_or(1, |time| time.steps(table));
-    let min_hold = u16::try_from(min_hold)
-        .map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))?;
+    let min_hold =
+        u16::try_from(min_hold).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))?;
     let query = Query {
         settings: Settings { seed: args.seed, ..Settings::default() },
         limits: Limits { nodes: args.nodes, memory: args.memory << 20 },

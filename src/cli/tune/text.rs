@@ -4,7 +4,7 @@ use crate::reach::Conclusion;
 use crate::tabular::{Cell, Column, Table};
 use crate::tune::{Axis, Change, Part, Trial};
 
-use crate::cli::reach::ScriptDetail;
+use crate::cli::reach::{ScriptDetail, with_luck};
 
 use super::args::TuneArgs;
 use super::result::TuneResult;
@@ -68,9 +68,7 @@ fn settings(result: &TuneResult, trial: &Trial) -> String {
 
 /// The verdict of a trial, with the time of its path.
 fn verdict(trial: &Trial) -> String {
-    let luck = trial.luck.as_ref().filter(|luck| !luck.is_none()).map_or(String::new(), |luck| {
-        format!(", with luck: {}", luck.words())
-    });
+    let luck = with_luck(trial.luck.as_ref());
     match (trial.seconds_of_play, trial.steps) {
         (Some(seconds), Some(steps)) => {
             format!("{} in {seconds:.2} s, step {steps}{luck}", trial.verdict.words())
@@ -120,15 +118,25 @@ fn change_text(result: &TuneResult, change: &Change, is_verbose: bool) -> String
         let before = &result.trials[change.before];
         out.push_str(&format!("    next      at {}: {}\n", values(result, before, &changed), not_wanted(before)));
     }
-    if change.is_proven_smallest {
-        out.push_str("    smallest  no smaller change is enough, up to that value: proven\n");
-    } else {
-        out.push_str("    smallest  of what was tried; it is not proven that no smaller change is enough\n");
-    }
+    out.push_str(&smallest(result, change, &changed));
     out.push_str(&parts_text(result));
     let set: Vec<String> = result.change_set.iter().map(|set| format!("--set {set}")).collect();
     out.push_str(&format!("    go on     {}\n", set.join(" ")));
     out
+}
+
+/// What is known of smaller changes.
+fn smallest(result: &TuneResult, change: &Change, changed: &[usize]) -> String {
+    let (Some(at), true) = (changed.first(), change.is_proven_smallest) else {
+        return "    smallest  of what was tried; it is not proven that no smaller change is enough\n".to_string();
+    };
+    let axis = &result.numbers[*at];
+    let far = axis.size(result.trials[change.before].values[*at]);
+    let of = if result.numbers.len() > 1 { " of one of the numbers" } else { "" };
+    match axis.base {
+        0.0 => format!("    smallest  proven: no smaller change{of} is enough, up to the value before\n"),
+        _ => format!("    smallest  proven: a change{of} of up to {:.1} % is not enough\n", 100.0 * far),
+    }
 }
 
 /// Why a trial is not the wanted answer.
@@ -148,7 +156,7 @@ fn part_text(result: &TuneResult, part: &Part) -> String {
     let axis = &result.numbers[part.number];
     let others = match result.numbers.len() {
         1 => String::new(),
-        _ => format!(" of {}", axis.name),
+        _ => format!(" of {}, the others as they are,", axis.name),
     };
     let (from, to) = (Axis::text(part.from), Axis::text(part.to));
     format!("    proven    unreachable for all values{others} from {from} to {to}{}\n", axis.unit)

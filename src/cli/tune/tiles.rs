@@ -26,7 +26,7 @@ use super::args::{TilesName, TuneArgs};
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Disk;
-use crate::cli::reach::ScriptDetail;
+use crate::cli::reach::{ScriptDetail, with_luck};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, find_world, plain_error, program_sha256};
 
@@ -274,10 +274,16 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
     let mut out = format!("{file}, world {world}{set}: {} may be changed\n", tiles(result.allowed as usize));
     match &result.change {
         Some(change) => {
-            out.push_str(&format!("  goal {goal}: {} with {} changed\n", verdict(&change.trial), tiles(change.edits.len())));
+            out.push_str(&format!(
+                "  goal {goal}: {} with {} changed\n",
+                verdict(&change.trial),
+                tiles(change.edits.len())
+            ));
             for edit in &change.edits {
                 let TileEdit { space, column, row, from, to } = edit;
-                out.push_str(&format!("    tile      column {column}, row {row} of {space}: `{from}` becomes `{to}`\n"));
+                out.push_str(&format!(
+                    "    tile      column {column}, row {row} of {space}: `{from}` becomes `{to}`\n"
+                ));
             }
             for row in &result.rows {
                 out.push_str(&format!("    {:>8}  {}\n", format!("row {}", row.row), row.text));
@@ -303,7 +309,10 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
         None => {
             let wanted = if result.prevent { "proven unreachable" } else { "reached" };
             out.push_str(&format!("  goal {goal}: {} as it is\n", verdict(base)));
-            out.push_str(&format!("    no way to change up to {} was found so that it is {wanted}\n", tiles(args.max.into())));
+            out.push_str(&format!(
+                "    no way to change up to {} was found so that it is {wanted}\n",
+                tiles(args.max.into())
+            ));
             if let Some(edits) = &result.not_found {
                 let one = |edit: &TileEdit| format!("column {}, row {} of {}", edit.column, edit.row, edit.space);
                 let all: Vec<String> = edits.iter().map(one).collect();
@@ -314,7 +323,9 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
     out.push_str(&format!("    tried     {} sets of tiles\n", result.tried));
     let is_saved = result.change.is_some();
     for (path, what) in [(&args.save_map, "map"), (&args.save_inputs, "inputs")] {
-        out.extend(path.as_ref().filter(|_| is_saved).map(|path| format!("    saved     {what}: {}\n", path.display())));
+        out.extend(
+            path.as_ref().filter(|_| is_saved).map(|path| format!("    saved     {what}: {}\n", path.display())),
+        );
     }
     if result.stopped {
         out.push_str("    stopped before all was tried\n");
@@ -325,7 +336,10 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
 /// A verdict with the time of its path.
 fn verdict(trial: &LevelTrial) -> String {
     match (trial.seconds_of_play, trial.steps) {
-        (Some(seconds), Some(steps)) => format!("{} in {seconds:.2} s, step {steps}", trial.verdict.words()),
+        (Some(seconds), Some(steps)) => {
+            let luck = with_luck(trial.luck.as_ref());
+            format!("{} in {seconds:.2} s, step {steps}{luck}", trial.verdict.words())
+        }
         _ => trial.verdict.words().to_string(),
     }
 }

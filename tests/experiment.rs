@@ -242,3 +242,24 @@ fn bad_questions_are_told_and_not_asked() {
         assert!(output.stdout.is_empty() && errors.contains(expected), "{arguments:?}\n{errors}");
     }
 }
+
+#[test]
+fn a_sweep_has_a_column_for_its_values() {
+    let sweep = ["examples/balloon.hyped", "--seeds", "1", "--nodes", "200", "--seconds", "600", "--planners", "rrt"];
+    let sweep = [&sweep[..], &["--bounds", "reduced", "--set", "Balloon.drift=50..80/30"]].concat();
+    let shown = text(&sweep);
+    let rows: Vec<Vec<&str>> =
+        shown.lines().filter(|line| line.contains("rrt ")).map(|line| line.split_whitespace().collect()).collect();
+    let values: Vec<&str> = rows.iter().filter(|row| row[1] == "reduced").map(|row| row[0]).collect();
+    assert_eq!(values, ["50", "50", "80", "80"], "{shown}");
+    assert_eq!(shown.matches(", goal over\n").count(), 1, "{shown}");
+    let csv = text(&[&sweep[..], &["--format", "csv"]].concat());
+    let ends: Vec<&str> = csv.lines().skip(1).map(|line| line.rsplit(',').next().unwrap()).collect();
+    assert_eq!(ends, ["Balloon.drift=50", "Balloon.drift=50", "Balloon.drift=80", "Balloon.drift=80"], "{csv}");
+    let found = json(&sweep);
+    for (part, count) in [("questions", 2), ("runs", 4), ("rows", 4)] {
+        let all = found[part].as_array().unwrap();
+        assert_eq!(all.len(), count);
+        assert!(all.iter().any(|row| row["set"][0] == "Balloon.drift=80"), "{part}");
+    }
+}

@@ -93,13 +93,11 @@ fn nothing_that_is_claimed_of_all_values_of_a_parameter_is_false() {
     for seed in seeds(250, 14_000) {
         varied::vary(seed, &mut all);
     }
-    let varied::Varieties { worlds, is_read, ruled_out, states, reports } = all;
-    println!("{worlds} worlds, {is_read} with such an instance, {ruled_out} with a goal ruled out, {states} states");
+    let varied::Varieties { worlds, is_read, ruled_out, states, bites, reports } = all;
+    println!("{worlds} worlds, {is_read} with an instance, {ruled_out} goals ruled out, {states} states, {bites} bite");
     assert!(reports.is_empty(), "{}", reports.join("\n\n"));
-    assert!(
-        worlds > 150 && is_read > 100 && ruled_out > 5 && states > 20_000,
-        "{worlds} {is_read} {ruled_out} {states}"
-    );
+    let enough = worlds > 150 && is_read > 100 && ruled_out > 50 && states > 20_000 && bites > 10;
+    assert!(enough, "{worlds} {is_read} {ruled_out} {states} {bites}");
 }
 
 /// These programs once had a false verdict.

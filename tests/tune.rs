@@ -9,7 +9,10 @@ use hypedc::ir::{GoalId, WorldId};
 use hypedc::reach::query::Query;
 use hypedc::reach::{Conclusion, Limits, Target};
 use hypedc::sim::Simulator;
-use hypedc::tune::{Axis, Built, Host, Question, Trial, Tuned, Wanted, tune};
+use hypedc::tune::{
+    Axis, Built, Host, LevelHost, Question, TileChange, TileEdit, TileQuestion, TilesFound, Trial, Tuned, Wanted,
+    tile_edits, tune, tune_tiles,
+};
 use hypedc::watch::{Unwatched, Watch};
 
 use crate::support::{Text, assert_leads_to, script};
@@ -131,7 +134,7 @@ world Test {{
         '#': wall
     }}
     space main {{
-        bounds -400, -200, 1200, 2000
+        bounds rect(-400, -200, 2400, 3000)
         map room "
             ...
             ...
@@ -268,4 +271,168 @@ fn a_given_value_stays() {
     assert!(found.change.is_none());
     assert_eq!(found.parts.len(), 1, "{:?}", found.parts);
     assert_eq!((found.parts[0].from, found.parts[0].to), (100.0, 600.0));
+}
+
+// Tiles.
+
+/// A level of text, whose rows are put into a program.
+struct Rows<'t> {
+    program: &'t str,
+    rows: &'t [&'t str],
+}
+
+impl Rows<'_> {
+    fn text(&self, edits: &[TileEdit]) -> String {
+        let mut rows: Vec<Vec<char>> = self.rows.iter().map(|row| row.chars().collect()).collect();
+        for edit in edits {
+            let cell = &mut rows[edit.row - 1][edit.column - 1];
+            assert_eq!(*cell, edit.from);
+            *cell = edit.to;
+        }
+        let rows: Vec<String> = rows.into_iter().map(|row| row.into_iter().collect()).collect();
+        self.program.replace("{MAP}", &rows.join("\n"))
+    }
+}
+
+impl LevelHost for Rows<'_> {
+    fn build(&self, edits: &[TileEdit]) -> Result<Built, String> {
+        Texts(&self.text(edits)).build(&[])
+    }
+
+    fn watched(&self, _: &str, work: &mut dyn FnMut(&dyn Watch)) {
+        work(&Unwatched);
+    }
+
+    fn is_stopped(&self) -> bool {
+        false
+    }
+}
+
+/// Walks from cell to cell.
+const WALKER: &str = r#"
+entity Walker {
+    axis horizontal
+    axis vertical
+    collider body: rect(0, 0, 16, 16)
+    mode walking {
+        when touching(body at (0, 0), door) -> outside
+        when horizontal > 0 and not touching(body at (16, 0), wall) { x += 16 }
+        when horizontal < 0 and not touching(body at (-16, 0), wall) { x += -16 }
+        when vertical > 0 and not touching(body at (0, 16), wall) { y += 16 }
+        when vertical < 0 and not touching(body at (0, -16), wall) { y += -16 }
+    }
+    mode outside { }
+}
+world Maze {
+    step 1/60
+    collide body with wall: sense
+    tiles maze 16 x 16 {
+        '.': empty
+        '#': wall
+        'D': door
+        '@': spawn Walker as walker
+    }
+    space main {
+        map maze "
+{MAP}
+        "
+    }
+    player 1: walker
+    goal out: walker in outside
+}
+"#;
+
+/// What is found in a maze when walls can be removed or added.
+fn in_maze(rows: &[&str], wanted: Wanted, change: TileChange, most: usize) -> TilesFound {
+    let host = Rows { program: WALKER, rows };
+    let edits = tile_edits(&host.build(&[]).unwrap(), change, Some('#')).unwrap();
+    // The outer walls stay.
+    let inside = |edit: &TileEdit| (2..rows.len()).contains(&edit.row) && (2..rows[0].len()).contains(&edit.column);
+    let edits = edits.into_iter().filter(inside).collect();
+    let query = Query { limits: Limits { nodes: 4_000, ..Limits::default() }, ..Query::new(vec![Target::Goal(GOAL)]) };
+    let found = tune_tiles(&host, &TileQuestion { query, wanted, edits, most }).unwrap();
+    if let Some(set) = &found.set {
+        let built = host.build(&set.edits).unwrap();
+        match &set.trial.inputs {
+            Some(inputs) => {
+                let sim = Simulator::new(&built.program, built.world);
+                assert_leads_to(&sim, &script(&built.program, inputs), GOAL);
+            }
+            None => assert_eq!(set.trial.verdict, Conclusion::ProvenUnreachable),
+        }
+    }
+    found
+}
+
+/// The number of walls between the walker and the door, of the way with the fewest.
+fn walls_between(rows: &[&str]) -> usize {
+    let cells: Vec<Vec<char>> = rows.iter().map(|row| row.chars().collect()).collect();
+    let mut least = vec![vec![usize::MAX; cells[0].len()]; cells.len()];
+    let find = |what: char| {
+        let at = |(row, line): (usize, &Vec<char>)| Some((row, line.iter().position(|cell| *cell == what)?));
+        cells.iter().enumerate().find_map(at).unwrap()
+    };
+    let (start, door) = (find('@'), find('D'));
+    let mut open = vec![(start, 0)];
+    while let Some(((row, column), walls)) = open.pop() {
+        let is_inside = (1..cells.len() - 1).contains(&row) && (1..cells[0].len() - 1).contains(&column);
+        let walls = walls + usize::from(cells[row][column] == '#');
+        if !is_inside || least[row][column] <= walls {
+            continue;
+        }
+        least[row][column] = walls;
+        open.extend([(row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)].map(|at| (at, walls)));
+    }
+    least[door.0][door.1]
+}
+
+#[test]
+fn the_fewest_walls_are_removed() {
+    let mazes: [&[&str]; 4] = [
+        &["#######", "#@.#.D#", "#..#..#", "#######"],
+        &["#########", "#@.#.#.D#", "#..#.#..#", "#########"],
+        &["########", "#@#...D#", "#.######", "#.#....#", "########"],
+        &["#########", "#@.##..D#", "#..##...#", "#..#.#..#", "#########"],
+    ];
+    for rows in mazes {
+        let found = in_maze(rows, Wanted::Reached, TileChange::Remove, 2);
+        let known = walls_between(rows);
+        let set = found.set.unwrap_or_else(|| panic!("{rows:?}"));
+        assert_eq!(set.edits.len(), known, "{rows:?}: {set:?}");
+        assert_eq!(set.trial.verdict, Conclusion::Reached);
+        assert!(set.is_fewest, "{rows:?}: {set:?}");
+    }
+    let thick: &[&str] = &["#########", "#@.###.D#", "#..###..#", "#########"];
+    assert_eq!(walls_between(thick), 3);
+    assert!(in_maze(thick, Wanted::Reached, TileChange::Remove, 2).set.is_none());
+}
+
+#[test]
+fn the_fewest_walls_are_added() {
+    let one: &[&str] = &["########", "#@.#..D#", "#......#", "#..#...#", "########"];
+    let set = in_maze(one, Wanted::Prevented, TileChange::Add, 2).set.unwrap();
+    assert_eq!((set.edits.len(), set.is_fewest), (1, true), "{set:?}");
+    assert_eq!((set.edits[0].column, set.edits[0].row), (4, 3));
+    let two: &[&str] = &["########", "#@.#..D#", "#......#", "#......#", "########"];
+    let set = in_maze(two, Wanted::Prevented, TileChange::Add, 2).set.unwrap();
+    assert_eq!((set.edits.len(), set.is_fewest), (2, true), "{set:?}");
+    let open = in_maze(two, Wanted::Reached, TileChange::Add, 2);
+    assert!(open.set.is_none() && open.base.is_some_and(|base| base.verdict == Conclusion::Reached));
+}
+
+/// A step to jump from.
+#[test]
+fn a_step_is_added_under_a_jump() {
+    let text = jumper(280.0, -900.0, 60.0, "hero.y >= 64")
+        .replace("            ...\n            ...\n            .#.\n", "{MAP}\n");
+    let text = text.replace("at (16, 16)", "at (32, 16)");
+    let rows = ["........", "........", "........", "########"];
+    let host = Rows { program: &text, rows: &rows };
+    let edits = tile_edits(&host.build(&[]).unwrap(), TileChange::Add, None).unwrap();
+    let query = Query { limits: Limits { nodes: 4_000, ..Limits::default() }, ..Query::new(vec![Target::Goal(GOAL)]) };
+    let found = tune_tiles(&host, &TileQuestion { query, wanted: Wanted::Reached, edits, most: 2 }).unwrap();
+    let set = found.set.unwrap();
+    assert_eq!(set.edits.len(), 1, "{set:?}");
+    assert_eq!((set.edits[0].row, set.edits[0].to), (3, '#'), "{set:?}");
+    assert_eq!(set.is_fewest, found.base.is_some_and(|base| base.verdict == Conclusion::ProvenUnreachable));
 }

@@ -34,6 +34,8 @@ pub struct Varieties {
     pub ruled_out: u64,
     /// States that were compared.
     pub states: u64,
+    /// Worlds in which another value, outside of the interval, leads outside: what is claimed is not that all is possible.
+    pub bites: u64,
     /// What was claimed and is not so.
     pub reports: Vec<String>,
 }
@@ -85,8 +87,9 @@ pub fn vary(seed: u64, out: &mut Varieties) {
     let goals: Vec<_> = first.worlds[WorldId(0)].goals.pairs().map(|(id, goal)| (id, goal.holds)).collect();
     let ruled_out: Vec<_> = goals.into_iter().filter(|(_, holds)| !varied.can_hold(&space, *holds)).collect();
     out.ruled_out += u64::from(!ruled_out.is_empty());
-    for turn in 0..4 {
-        let value = [low, high, base, rng.random_range(low..high)][turn];
+    for turn in 0..5 {
+        let value = [low, high, base, rng.random_range(low..high), high + 3.0 * wide][turn];
+        let is_beyond = turn == 4;
         let Some(program) = with(&text, &path, value) else { continue };
         let sim = Simulator::new(&program, WorldId(0));
         let monitor = Monitor::new(&space, &program, WorldId(0));
@@ -98,11 +101,17 @@ pub fn vary(seed: u64, out: &mut Varieties) {
                 break;
             }
             out.states += 1;
-            if let Some(outside) = monitor.outside(&sim, &state) {
+            let outside = monitor.outside(&sim, &state);
+            if is_beyond {
+                if outside.is_some() {
+                    out.bites += 1;
+                    break;
+                }
+            } else if let Some(outside) = outside {
                 out.reports.push(format!("{seed}: {path} = {value} of {low}..{high}, step {step}: {outside}\n{text}"));
                 return;
             }
-            if ruled_out.iter().any(|(goal, _)| sim.goal(&state, *goal).unwrap_or(false)) {
+            if !is_beyond && ruled_out.iter().any(|(goal, _)| sim.goal(&state, *goal).unwrap_or(false)) {
                 out.reports.push(format!("{seed}: {path} = {value} of {low}..{high}, step {step}: a goal\n{text}"));
                 return;
             }

@@ -114,8 +114,8 @@ fn is_proven_smallest(found: &Tuned, change: &Change, singles: &[Way]) -> bool {
         let end = match is_own {
             true => before,
             false => {
-                let smaller = way.points.iter().filter(|(_, size)| *size < change.size);
-                smaller.last().map_or(base, |(point, _)| point[at])
+                let mut smaller = way.points.iter().filter(|(_, size)| *size < change.size);
+                smaller.next_back().map_or(base, |(point, _)| point[at])
             }
         };
         let (low, high) = (base.min(end), base.max(end));

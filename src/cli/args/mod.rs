@@ -55,7 +55,7 @@ pub(in crate::cli) enum Command {
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.
     Stuck(StuckArgs),
-    /// Finds the smallest change of a number or of a level with which a goal can be reached, or cannot.
+    /// Finds the smallest change of a number, or of a level, that turns an answer.
     Tune(TuneArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),

@@ -38,6 +38,8 @@ struct Explored {
     next: Vec<Vec<usize>>,
     is_goal: Vec<bool>,
     can_end: Vec<bool>,
+    /// Whether no player is left.
+    is_gone: Vec<bool>,
     states: Vec<State>,
 }
 
@@ -62,7 +64,14 @@ fn explored(sim: &Simulator, inputs: &[Input]) -> Explored {
     let is_over = |state: &State| sim.violated(state).unwrap().is_some() || sim.left_bounds(state).is_some();
     assert!(!is_over(&first));
     let mut numbers = HashMap::from([(first.clone(), 0)]);
-    let mut all = Explored { next: Vec::new(), is_goal: Vec::new(), can_end: Vec::new(), states: vec![first] };
+    let player = sim.world().players.iter().next().unwrap().slot;
+    let mut all = Explored {
+        next: Vec::new(),
+        is_goal: Vec::new(),
+        can_end: Vec::new(),
+        is_gone: Vec::new(),
+        states: vec![first],
+    };
     let mut at = 0;
     while at < all.states.len() {
         let is_goal = sim.goal(&all.states[at], GOAL).unwrap();
@@ -83,26 +92,32 @@ fn explored(sim: &Simulator, inputs: &[Input]) -> Explored {
         all.next.push(next);
         all.is_goal.push(is_goal);
         all.can_end.push(can_end);
+        all.is_gone.push(!sim.instance(&all.states[at], player).is_alive());
         at += 1;
     }
     all
 }
 
-/// Which states arrive, and which of the others go on for ever: by repeated passes over all states.
-fn passes(all: &Explored) -> (Vec<bool>, Vec<bool>) {
-    let mut arrives = all.is_goal.clone();
+/// The states that lead to one of some: by repeated passes over all states.
+fn leading_to(all: &Explored, mut leads: Vec<bool>) -> Vec<bool> {
     loop {
         let mut has_changed = false;
-        for at in (0..arrives.len()).rev().chain(0..arrives.len()) {
-            if !arrives[at] && all.next[at].iter().any(|to| arrives[*to]) {
-                (arrives[at], has_changed) = (true, true);
+        for at in (0..leads.len()).rev().chain(0..leads.len()) {
+            if !leads[at] && all.next[at].iter().any(|to| leads[*to]) {
+                (leads[at], has_changed) = (true, true);
             }
         }
         if !has_changed {
-            break;
+            return leads;
         }
     }
-    let mut stays: Vec<bool> = arrives.iter().map(|arrives| !arrives).collect();
+}
+
+/// Which states arrive, and which of the others go on for ever with a player.
+fn passes(all: &Explored) -> (Vec<bool>, Vec<bool>) {
+    let arrives = leading_to(all, all.is_goal.clone());
+    let has_players = leading_to(all, all.is_gone.iter().map(|gone| !gone).collect());
+    let mut stays: Vec<bool> = (0..arrives.len()).map(|at| !arrives[at] && has_players[at]).collect();
     loop {
         let ends = |at: &usize| stays[*at] && !all.next[*at].iter().any(|to| stays[*to]);
         let ends: Vec<usize> = (0..stays.len()).filter(ends).collect();
@@ -213,6 +228,7 @@ fn grid(room: &[&str]) -> String {
     mode living {{
         when touching(body at (0, 0), home) -> home
         when touching(body at (0, 0), spikes) -> dead
+        when touching(body at (0, 0), pit) {{ destroy self }}
         when touching(body at (0, 0), plate) and not shut {{ shut := true }}
         when touching(body at (0, 0), keys) and key == 0 {{ key := 1 }}
         when touching(body at (0, 0), one) and key == 1 {{ key := 2; opened := 1 }}
@@ -233,6 +249,7 @@ world Room {{
         '#': wall
         'G': home
         'p': plate
+        'v': pit
         'g': gate
         'k': keys
         'd': one
@@ -302,6 +319,10 @@ fn grids_are_as_brute_force_says() {
     let counts = check("spikes", &grid(&spikes), 0);
     // In the shaft nothing can be done any more.
     assert!(counts.stuck == 0 && counts.doomed == 2, "{counts:?}");
+    let pit = ["##########", "#v...@.G.#", "##########"];
+    let counts = check("pit", &grid(&pit), 0);
+    // Who is gone is not stuck.
+    assert!(counts.stuck == 0 && counts.doomed == 1, "{counts:?}");
     let plate = ["############", "#G.g.@..p..#", "############"];
     let counts = check("plate", &grid(&plate), 0);
     assert!(counts.stuck > 5 && counts.dead_ends == 0, "{counts:?}");

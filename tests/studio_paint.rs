@@ -162,6 +162,20 @@ fn a_cell_of_a_tiled_map_is_one_number() {
 }
 
 #[test]
+fn of_too_many_tiles_those_that_the_map_has_are_offered() {
+    let tiles: Vec<String> = (1..700).map(|id| format!(r#"{{"id": {id}, "type": "hot"}}"#)).collect();
+    let large = TILESET.replace("\"tilecount\": 8", "\"tilecount\": 700");
+    let (head, _) = large.split_once("\"tiles\"").unwrap();
+    let map = json_map("[0, 0, 700, 0, 0, 1]").replace(TILESET, &format!("{head} \"tiles\": [{}]}}", tiles.join(", ")));
+    let program = format!("map tiled \"level.tmj\" {KINDS}");
+    let playing = Playing::new(&program, &[("games/level.tmj", &map)], None);
+    // The empty one, 1, 3, 4 and 700 of the map, and the others that are `hot`.
+    assert_eq!(playing.map().brushes.len(), 500);
+    assert!(playing.brushes()[..5].iter().any(|brush| brush.starts_with("700 ")), "{:?}", &playing.brushes()[..5]);
+    assert_eq!(playing.map().brushes_left_out, 201);
+}
+
+#[test]
 fn csv_of_xml_and_tilesets_in_files_are_painted() {
     let tileset = r#"<tileset name="t" tilewidth="16" tileheight="16" tilecount="4" columns="4">
  <tile id="1" class="lava"/></tileset>"#;

@@ -88,6 +88,7 @@ impl<'l> Written<'l> {
                     let mut brushes: Vec<&Brush> = canvas.brushes.iter().filter(is_worth).collect();
                     // The empty one, those that the map has, the others.
                     brushes.sort_by_key(|brush| (!brush.names.is_empty(), !brush.is_used));
+                    info.brushes_left_out = brushes.len().saturating_sub(MAX_BRUSHES);
                     brushes.truncate(MAX_BRUSHES);
                     info.brushes = brushes
                         .into_iter()

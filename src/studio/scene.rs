@@ -151,6 +151,7 @@ fn map_info(sim: &Simulator, space: SpaceId, map: &TileMap<TagId>) -> MapInfo {
         tile: [map.tile.0, map.tile.1],
         // Told by the text.
         brushes: Vec::new(),
+        brushes_left_out: 0,
         unpainted: None,
         is_drawn_by_rules: false,
         kinds: map.kinds.iter().map(kind).collect(),

@@ -195,6 +195,8 @@ export interface MapInfo {
   art: MapArt | null;
   /** What its cells can be painted with. */
   brushes: BrushInfo[];
+  /** The number of brushes that are too many to show. */
+  brushes_left_out: number;
   /** For each cell, from the upper left one row by row, its kind, or -1. */
   cells: number[];
   /** Number of columns. */

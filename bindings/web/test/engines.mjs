@@ -33,7 +33,7 @@ export class WebEngine {
   }
 }
 
-/** The engine of `cargo build --package hypedc-web --example native`. */
+/** The engine of `cargo build --package hypedc-web --bin native`. */
 export class NativeEngine {
   #waiting = [];
 

@@ -6,7 +6,7 @@ import { games, repository } from "./games.mjs";
 const modules = process.argv.slice(2);
 if (modules.length === 0) modules.push(`${repository}/bindings/web/dist/hypedc.wasm`);
 const [rounds, steps] = [Number(process.env.ROUNDS ?? 21), Number(process.env.STEPS ?? 20_000)];
-const native = new NativeEngine(process.env.HYPEDC_NATIVE ?? `${repository}/target/release/examples/native`);
+const native = new NativeEngine(process.env.HYPEDC_NATIVE ?? `${repository}/target/release/native`);
 const median = (all) => all.sort((a, b) => a - b)[all.length >> 1];
 
 for (const name of ["smb/smb, mario-1-1.txt", "paper/test1"]) {

@@ -7,7 +7,7 @@ import { NativeEngine, WebEngine } from "./engines.mjs";
 import { games, inputs, repository } from "./games.mjs";
 
 const wasm = process.env.HYPEDC_WASM ?? `${repository}/bindings/web/dist/hypedc.wasm`;
-const native = new NativeEngine(process.env.HYPEDC_NATIVE ?? `${repository}/target/release/examples/native`);
+const native = new NativeEngine(process.env.HYPEDC_NATIVE ?? `${repository}/target/release/native`);
 after(() => native.end());
 
 /** Asks both engines, and returns the one answer. */

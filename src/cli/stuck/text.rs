@@ -67,7 +67,7 @@ fn states(states: &StateCounts) -> String {
         parts.push(stuck);
     }
     if states.doomed > 0 {
-        parts.push(format!("from {} all inputs end the run", grouped(states.doomed)));
+        parts.push(format!("from {} all inputs end the run or leave no player", grouped(states.doomed)));
     }
     format!("    states  {}\n", parts.join("; "))
 }

@@ -51,6 +51,8 @@ pub(super) struct StateGraph {
     pub is_goal: Vec<bool>,
     /// Whether an input ends the run.
     pub can_end: Vec<bool>,
+    /// Whether no player is left.
+    pub is_gone: Vec<bool>,
 }
 
 impl StateGraph {
@@ -122,6 +124,7 @@ impl<'p> Explorer<'p> {
                 next: Vec::new(),
                 is_goal: Vec::new(),
                 can_end: Vec::new(),
+                is_gone: Vec::new(),
             },
             hashes: DefaultHashBuilder::default(),
             known: HashTable::new(),
@@ -155,7 +158,7 @@ impl<'p> Explorer<'p> {
 
     fn bytes(&self) -> u64 {
         let graph = &self.graph;
-        let tables = 4 * (graph.first.capacity() + graph.next.capacity()) + 2 * graph.is_goal.capacity();
+        let tables = 4 * (graph.first.capacity() + graph.next.capacity()) + 3 * graph.is_goal.capacity();
         (graph.tree.bytes() + tables + self.known.capacity() * 5) as u64
     }
 
@@ -236,6 +239,8 @@ impl<'p> Explorer<'p> {
         self.known.insert_unique(hash, node.0, |id| hashes.hash_one(tree.state(NodeId(*id))));
         self.graph.is_goal.push(is_goal);
         self.graph.can_end.push(false);
+        let mut players = self.problem.players().iter();
+        self.graph.is_gone.push(players.all(|slot| !self.problem.sim.instance(&self.work, *slot).is_alive()));
         node.0
     }
 

@@ -51,7 +51,7 @@ pub struct StateCounts {
     pub stuck: u64,
     /// The stuck ones in which no input changes anything any more.
     pub dead_ends: u64,
-    /// Those from which none do, and all end the run sooner or later.
+    /// Those from which none do, and all end the run sooner or later, or leave no player.
     pub doomed: u64,
 }
 
@@ -107,7 +107,7 @@ pub fn find_stuck(
     if controls.truncated {
         return Ok(Err(Gap::Inputs));
     }
-    let fates = fates(&graph.first, &graph.next, &graph.is_goal);
+    let fates = fates(&graph.first, &graph.next, &graph.is_goal, &graph.is_gone);
     let (ways, places) = ways_in(problem, (&graph, &controls), &fates, ways);
     Ok(Ok(ExactAnswer {
         counts: counts(&graph, &fates),

@@ -114,11 +114,7 @@ impl<'p> Places<'p> {
             let discretes = entity.discretes.iter().zip(&place.discretes);
             let discretes = discretes.map(|(discrete, value)| match &discrete.domain {
                 Domain::Bool => format!("{}{}", if *value == 0 { "not " } else { "" }, discrete.name),
-                Domain::Set(names) => {
-                    let named = usize::try_from(*value).ok().and_then(|value| names.get(value));
-                    format!("{} = {}", discrete.name, named.map_or("?", String::as_str))
-                }
-                Domain::Int => format!("{} = {value}", discrete.name),
+                Domain::Int | Domain::Set(_) => format!("{} = {}", discrete.name, discrete.domain.text(*value)),
             });
             let parts: Vec<String> = modes.chain(discretes).collect();
             let state = if parts.is_empty() { String::new() } else { format!(" ({})", parts.join(", ")) };
@@ -167,7 +163,7 @@ impl<'p> Places<'p> {
             return Some(format!("`{name}` is in {}", modes.join(", ")));
         }
         let discrete = entity.discretes.ids().find(|id| before.discrete(*id) != after.discrete(*id))?;
-        let value = after.discrete_name(discrete).map_or_else(|| after.discrete(discrete).to_string(), str::to_string);
-        Some(format!("`{name}` has {} = {value}", entity.discretes[discrete].name))
+        let info = &entity.discretes[discrete];
+        Some(format!("`{name}` has {} = {}", info.name, info.domain.text(after.discrete(discrete))))
     }
 }

@@ -113,6 +113,8 @@ pub struct MapInfo {
     pub tile: [f64; 2],
     /// What its cells can be painted with.
     pub brushes: Vec<BrushInfo>,
+    /// The number of brushes that are too many to show.
+    pub brushes_left_out: usize,
     /// Why a map of a level editor is not painted.
     pub unpainted: Option<String>,
     /// Whether the level editor draws cells by rules: it draws a cell that is painted here when it saves the level.

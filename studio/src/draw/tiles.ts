@@ -49,6 +49,7 @@ export class Scenery {
     this.map = space.map ?? {
       art: null,
       brushes: [],
+      brushes_left_out: 0,
       cells: [],
       columns: 0,
       is_drawn_by_rules: false,

@@ -86,6 +86,8 @@ export class Paint implements Painter {
       if (all.some((of) => !isNumber(of))) text.push("Each cell is one character of the map in the text.");
       if (all.some(isNumber)) text.push("Each cell is one number in the file of the level editor.");
       if (all.some((of) => isNumber(of) && !of.map.is_drawn_by_rules)) text.push("A mirrored tile is replaced as a whole.");
+      const leftOut = Math.max(...maps.map((map) => map.brushes_left_out));
+      if (leftOut > 0) text.push(`Its tilesets have ${leftOut} more tiles: paint one of them in the level editor, and it is here, too.`);
       if (maps.some((map) => map.is_drawn_by_rules)) text.push("LDtk draws the tiles of its rules when it next saves the level.");
     }
     return [...text, ...new Set(maps.flatMap((map) => map.unpainted ?? []))].join(" ");

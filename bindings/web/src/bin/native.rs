@@ -1,5 +1,5 @@
 //! Answers requests natively: one a line, as the module in WebAssembly answers them. Before each answer the seconds that
-//! it took. `cargo run --release -p hypedc-web --example native`
+//! it took. `cargo run --release -p hypedc-web --bin native`
 
 #![allow(clippy::print_stdout, reason = "the answers are what it is for")]
 #![allow(clippy::disallowed_methods, reason = "it looks at the clock")]

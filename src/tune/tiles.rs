@@ -33,7 +33,7 @@ const NEXT: usize = 40;
 const MAX_PROVEN: usize = 400;
 /// Maximum number of tiles beside a way, and of sets of tiles that are judged.
 const MAX_BESIDE: usize = 80;
-const MAX_JUDGED: usize = 400;
+const MAX_JUDGED: usize = 150;
 /// How far from a body a tile can be that it touches, px.
 const NEAR: f64 = 2.0;
 
@@ -495,9 +495,10 @@ fn boxes<'p>(
 pub fn tile_edits(built: &Built, change: TileChange, symbol: Option<char>) -> Result<Vec<TileEdit>, String> {
     let (program, world) = (&built.program, &built.program.worlds[built.world]);
     let tags = |kind: &TileKind<TagId>| kind.tags.iter().copied().collect::<TagSet>();
-    let blocks = |kind: &TileKind<TagId>| {
-        kind.lasts() && world.strongest_push(program, world.player_entities(), tags(kind)) == Some(Push::Block)
-    };
+    let push = |kind: &TileKind<TagId>| world.strongest_push(program, world.player_entities(), tags(kind));
+    let blocks = |kind: &TileKind<TagId>| kind.lasts() && push(kind) == Some(Push::Block);
+    // No player meets it, whatever it is called.
+    let is_empty = |kind: &TileKind<TagId>| kind.lasts() && push(kind).is_none();
     let mut edits = Vec::new();
     for space in world.spaces.iter() {
         let Some(map) = &space.map else { continue };
@@ -505,7 +506,7 @@ pub fn tile_edits(built: &Built, change: TileChange, symbol: Option<char>) -> Re
         let most = |is: &dyn Fn(&TileKind<TagId>) -> bool| {
             (0..map.kinds.len()).filter(|at| is(&map.kinds[*at])).max_by_key(|at| (count(*at), usize::MAX - at))
         };
-        let Some(empty) = most(&|kind| kind.tags.is_empty() && kind.lasts()) else { continue };
+        let Some(empty) = most(&is_empty) else { continue };
         let solid = match symbol {
             Some(symbol) => map.kinds.iter().position(|kind| kind.symbol == symbol),
             None => most(&blocks),

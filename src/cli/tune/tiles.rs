@@ -307,12 +307,15 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
             out.push_str(&format!("  goal {goal}: {} as it is, nothing needs to change\n", verdict(base)));
         }
         None => {
-            let wanted = if result.prevent { "proven unreachable" } else { "reached" };
             out.push_str(&format!("  goal {goal}: {} as it is\n", verdict(base)));
-            out.push_str(&format!(
-                "    no way to change up to {} was found so that it is {wanted}\n",
-                tiles(args.max.into())
-            ));
+            let most = tiles(args.max.into());
+            out.push_str(&match (result.prevent, base.verdict) {
+                (true, Conclusion::Reached) => {
+                    format!("    no way to change up to {most} was found so that it is proven unreachable\n")
+                }
+                (true, _) => "    no way is known that could be stopped; `--nodes N` searches for longer\n".to_string(),
+                (false, _) => format!("    no way to change up to {most} was found so that it is reached\n"),
+            });
             if let Some(edits) = &result.not_found {
                 let one = |edit: &TileEdit| format!("column {}, row {} of {}", edit.column, edit.row, edit.space);
                 let all: Vec<String> = edits.iter().map(one).collect();

@@ -90,7 +90,8 @@ fn nothing_that_is_claimed_of_changed_worlds_is_false() {
 #[test]
 fn nothing_that_is_claimed_of_all_values_of_a_parameter_is_false() {
     let mut all = varied::Varieties::default();
-    for seed in seeds(250, 14_000) {
+    // One of them once had timers that stop too early: what a tile makes is spawned again.
+    for seed in seeds(250, 14_000).chain([6_225]) {
         varied::vary(seed, &mut all);
     }
     let varied::Varieties { worlds, is_read, ruled_out, states, bites, reports } = all;

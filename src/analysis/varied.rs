@@ -48,8 +48,10 @@ impl Varied {
                 let step = table.step;
                 let slot = &mut table.slots[id];
                 dependent.params.keys().for_each(|param| slot.params[*param] = f64::NAN);
-                slot.is_fixed = false;
-                slot.timer_limits = program.timer_limits(slot.entity, Some(&slot.params), step);
+                // The limits of a slot that is used again do not depend on its parameters.
+                if std::mem::replace(&mut slot.is_fixed, false) {
+                    slot.timer_limits = program.timer_limits(slot.entity, Some(&slot.params), step);
+                }
                 unknown.slots.insert(id, dependent);
             }
         }

@@ -21,7 +21,10 @@ use crate::syntax;
 use crate::syntax::ast::{self, MapSource};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
 
-pub use changes::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, is_name, question_name};
+pub use changes::{
+    Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, WrittenNumber, is_name, question_name,
+    written_number,
+};
 
 /// The result of compiling a file and its imports.
 #[derive(Debug, Clone)]

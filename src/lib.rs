@@ -34,6 +34,7 @@
 //! | [`view`] | pictures of searches |
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
+//! | [`tune`] | the smallest change of a number that turns an answer |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
@@ -68,6 +69,8 @@ pub mod source;
 pub mod studio;
 pub mod syntax;
 pub mod tabular;
+#[cfg(feature = "cli")]
+pub mod tune;
 pub mod view;
 pub mod watch;
 pub mod why;

@@ -32,6 +32,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("view", &["ir", "sim"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
+    ("tune", &["source", "watch", "json", "diagnostic", "ir", "analysis", "compile", "sim", "reach"]),
     (
         "studio",
         &[
@@ -72,6 +73,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "view",
             "experiment",
             "why",
+            "tune",
             "lsp",
         ],
     ),

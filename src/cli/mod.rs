@@ -15,6 +15,7 @@ mod experiment;
 mod explain;
 mod fix;
 mod fmt;
+mod goal;
 mod graph;
 mod import;
 mod ir;
@@ -35,6 +36,7 @@ mod sim_sweep;
 mod stuck;
 mod sweep;
 mod time;
+mod tune;
 mod watches;
 mod why;
 
@@ -83,6 +85,7 @@ pub fn main() -> ExitCode {
         Command::Reach(args) => reach::run(&args),
         Command::Why(args) => why::run(&args),
         Command::Stuck(args) => stuck::run(&args),
+        Command::Tune(args) => tune::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

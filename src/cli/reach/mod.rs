@@ -12,7 +12,7 @@ mod sweep;
 mod text;
 mod why_not;
 
-pub(in crate::cli) use text::counted;
+pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
 pub(in crate::cli) use {
     explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,

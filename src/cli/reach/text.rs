@@ -38,7 +38,12 @@ impl Detail {
         if args.quiet {
             return Detail::Quiet;
         }
-        if args.verbose || !io::stdout().is_terminal() {
+        Detail::on_terminal(args.verbose)
+    }
+
+    /// Whole scripts if they are asked for, else what fits into a line of this standard output.
+    pub fn on_terminal(verbose: bool) -> Detail {
+        if verbose || !io::stdout().is_terminal() {
             return Detail::Full;
         }
         let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
@@ -89,7 +94,7 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
 }
 
 /// `, with luck: 1 in 36`; nothing if none is needed.
-pub(super) fn with_luck(luck: Option<&Luck>) -> String {
+pub(in crate::cli) fn with_luck(luck: Option<&Luck>) -> String {
     luck.filter(|luck| !luck.is_none()).map_or(String::new(), |luck| format!(", with luck: {}", luck.words()))
 }
 

@@ -54,6 +54,37 @@ pub struct Query {
 }
 
 impl Query {
+    /// The problem for a target; `None` if the watch stopped the replay of a start.
+    ///
+    /// [`QueryError`] if a start leads nowhere.
+    pub fn problem<'s>(
+        &self,
+        sim: &'s Simulator,
+        target: Target,
+        watch: &dyn Watch,
+    ) -> Result<Option<Problem<'s>>, QueryError> {
+        let Query { min_hold, within, without, asked, after, .. } = self;
+        let mut problem = Problem::asking(sim, target).holding(*min_hold).asking_only(asked);
+        if let Some(seed) = self.chance {
+            problem = problem.foretold(seed);
+        }
+        for never in without {
+            problem = problem.without(sim.world().nevers[*never].holds);
+        }
+        if let Some(steps) = within {
+            problem = problem.within(*steps);
+        }
+        for (index, script) in after.iter().enumerate() {
+            problem = match problem.after_watched(script.clone(), watch) {
+                Ok(problem) => problem,
+                Err(BadStart::Stopped) => return Ok(None),
+                Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
+                Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
+            };
+        }
+        Ok(Some(problem))
+    }
+
     /// A query with the default settings and limits.
     pub fn new(targets: Vec<Target>) -> Self {
         Query {
@@ -383,28 +414,10 @@ impl Session {
 
     /// The problem for a target; `None` if the watch stopped the replay of a start.
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
-        let Query { min_hold, within, without, asked, after, .. } = &self.query;
-        let mut problem = Problem::asking(&self.sim, target).holding(*min_hold).asking_only(asked);
-        if let Some(monitor) = &self.monitor {
-            problem = problem.monitored(monitor);
-        }
-        if let Some(seed) = self.query.chance {
-            problem = problem.foretold(seed);
-        }
-        for never in without {
-            problem = problem.without(self.sim.world().nevers[*never].holds);
-        }
-        if let Some(steps) = within {
-            problem = problem.within(*steps);
-        }
-        for (index, script) in after.iter().enumerate() {
-            problem = match problem.after_watched(script.clone(), watch) {
-                Ok(problem) => problem,
-                Err(BadStart::Stopped) => return Ok(None),
-                Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
-                Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
-            };
-        }
-        Ok(Some(problem))
+        let problem = self.query.problem(&self.sim, target, watch)?;
+        Ok(problem.map(|problem| match &self.monitor {
+            Some(monitor) => problem.monitored(monitor),
+            None => problem,
+        }))
     }
 }

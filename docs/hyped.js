@@ -8,7 +8,8 @@
     "int bool always initial by fixed directions attack decay sustain for release while instant accel " +
     "over hold to follow links step collide with block sense from above keep velocity carry bounce tiles " +
     "space player condition chance signal look send goal never limit map place at link rect bounds wrap legend vglc " +
-    "level tiled ldtk tile slope breakable restore after any all touching nearest within";
+    "level tiled ldtk tile slope breakable restore after any all touching nearest within " +
+    "test inputs seed expect end reachable unreachable unfound without";
   hljs.registerLanguage("hyped", () => ({
     name: "hyped",
     keywords: { keyword: reserved, built_in: contextual },

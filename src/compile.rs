@@ -2,6 +2,7 @@
 //! analysis of values.
 
 mod changes;
+mod tests;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -21,10 +22,14 @@ use crate::syntax;
 use crate::syntax::ast::{self, MapSource};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
 
+pub use crate::sema::checked::When;
+pub use crate::syntax::ast::SearchKind;
 pub use changes::{
     Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, WrittenNumber, is_name, question_name,
     written_number,
 };
+
+pub use tests::{TestCase, TestClaim, TestClaimKind, TestSearch};
 
 /// The result of compiling a file and its imports.
 #[derive(Debug, Clone)]
@@ -35,6 +40,8 @@ pub struct Compilation {
     pub program: Option<Arc<Program>>,
     /// All findings.
     pub diagnostics: Diagnostics,
+    /// The tests of the worlds of the file, not of its imports; none if there are errors.
+    pub tests: Vec<TestCase>,
 }
 
 /// The options of the command line for the maps of worlds that leave theirs open.
@@ -173,11 +180,21 @@ fn stages(
     }
     diagnostics.trace(&sources);
     diagnostics.sort();
-    let program = (!diagnostics.has_errors()).then(|| match is_kept {
+    let written = tests::checked_tests(&checked, first);
+    let mut program = (!diagnostics.has_errors()).then(|| match is_kept {
         true => Arc::new(ir::lower(checked.clone())),
         false => Arc::new(ir::lower(std::mem::take(&mut checked))),
     });
-    ((Compilation { sources, program, diagnostics }, checked), kept)
+    let mut tests = Vec::new();
+    if let Some(lowered) = program.as_ref().filter(|_| !written.is_empty()) {
+        tests = tests::read_tests(written, lowered, &mut sources, files, &mut diagnostics);
+        diagnostics.sort();
+        // A script that cannot be given is an error as any other.
+        if diagnostics.has_errors() {
+            (program, tests) = (None, Vec::new());
+        }
+    }
+    ((Compilation { sources, program, diagnostics, tests }, checked), kept)
 }
 
 /// The file that a level is in: `world.ldtk` of `world.ldtk#Level_0`.
@@ -195,7 +212,7 @@ pub(crate) fn parted(path: &Path) -> Option<(Option<&Path>, Option<&str>)> {
 /// As [`compile_with`], with the analysis of the values in the running worlds.
 pub fn check_with(root: &Path, level: LevelFile<'_>, files: &dyn Files) -> Compilation {
     let mut compilation = compile_with(root, level, files);
-    let Compilation { sources, program: Some(program), diagnostics } = &mut compilation else { return compilation };
+    let Compilation { sources, program: Some(program), diagnostics, .. } = &mut compilation else { return compilation };
     // The root file is read first.
     diagnostics.append(analysis::findings(program, sources, FileId(0), diagnostics));
     diagnostics.sort();

@@ -26,8 +26,8 @@
 //! | [`lint`] | warnings: valid but probably wrong programs |
 //! | [`ir`] | the flat tables that all back ends share, and the layout of a state |
 //! | [`analysis`] | abstract interpretation of the flat tables: the reachable values, and findings from them |
-//! | [`compile`] | the driver of the stages above |
 //! | [`sim`] | one step of time, input scripts, traces |
+//! | [`compile`] | the driver of the stages above |
 //! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`reach`] | reachability queries: proofs, planners over the simulator, replay |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
@@ -35,6 +35,7 @@
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
 //! | [`tune`] | the smallest change of a number that turns an answer |
+//! | [`suite`] | tests of worlds: runs, questions, coverage |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
@@ -67,6 +68,8 @@ pub mod sema;
 pub mod sim;
 pub mod source;
 pub mod studio;
+#[cfg(feature = "cli")]
+pub mod suite;
 pub mod syntax;
 pub mod tabular;
 #[cfg(feature = "cli")]

@@ -56,7 +56,12 @@ fn read(path: impl AsRef<Path>) -> String {
 }
 
 fn hypedc(folder: &Path, arguments: &[String]) -> (String, String, i32) {
-    let output = Command::new(env!("CARGO_BIN_EXE_hypedc")).args(arguments).current_dir(folder).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_hypedc"))
+        .args(arguments)
+        .current_dir(folder)
+        .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
+        .output()
+        .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (text(output.stdout), text(output.stderr), output.status.code().unwrap())
 }
@@ -103,6 +108,9 @@ fn comparable(line: &str, is_timed: bool) -> String {
         && from < to
     {
         return format!("{}{}", &line[..from], &line[to..]);
+    }
+    if let Some((before, _)) = line.split_once("; finished in ") {
+        return before.to_string();
     }
     if !is_timed {
         return line.to_string();

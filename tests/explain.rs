@@ -207,7 +207,7 @@ fn an_unknown_code_is_no_question() {
     assert!(String::from_utf8_lossy(&output.stdout).starts_with("E0302: "), "the known one is shown all the same");
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(error.contains("no code `E0392`; did you mean `E0302`?"), "{error}");
-    let output = hypedc(Path::new("."), &["explain", "speed"]);
+    let output = hypedc(Path::new("."), &["explain", "gravity"]);
     assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(2), &[][..]));
     assert!(said(&output).contains("`hypedc explain` lists all codes"), "{}", said(&output));
 }

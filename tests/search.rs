@@ -18,6 +18,7 @@ mod reach;
 mod report_pages;
 mod stop;
 mod stuck;
+mod suite;
 mod tune;
 mod verdicts;
 mod why;

@@ -24,8 +24,8 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("ir/lower", &["source", "sema", "ir"]),
     ("lint", &["source", "diagnostic", "sema", "ir"]),
     ("analysis", &["source", "watch", "diagnostic", "ir"]),
-    ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
+    ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis", "sim"]),
     ("why", &["source", "ir", "sim"]),
     ("reach", &["source", "watch", "ir", "analysis", "sim", "why"]),
     ("graph", &["source", "ir"]),
@@ -33,6 +33,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
     ("tune", &["source", "watch", "json", "diagnostic", "ir", "analysis", "compile", "sim", "reach"]),
+    ("suite", &["source", "watch", "syntax", "ir", "compile", "sim", "reach", "corpus", "why"]),
     (
         "studio",
         &[
@@ -69,6 +70,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "sim",
             "reach",
             "studio",
+            "suite",
             "graph",
             "view",
             "experiment",

@@ -28,7 +28,7 @@ struct Texts<'t>(&'t str);
 impl Host for Texts<'_> {
     fn build(&self, numbers: &[NumberSetting<'_>]) -> Result<Built, String> {
         let changes = Changes { numbers, ..Changes::default() };
-        let Compilation { sources, program, diagnostics } =
+        let Compilation { sources, program, diagnostics, .. } =
             compile_changed(Path::new("test.hyped"), Default::default(), &changes, &Text(self.0));
         let program = program.ok_or_else(|| format!("{diagnostics:?}"))?;
         Ok(Built { sources, program, world: WorldId(0) })

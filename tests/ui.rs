@@ -38,7 +38,7 @@ fn every_code_of_the_checker_is_shown() {
     }
     // These need a file that is no text, or a running world; the tests of the command line show them.
     let elsewhere =
-        [Code::NotUtf8, Code::BadInput, Code::NoQuestion, Code::Fault, Code::InvariantBroken, Code::SpawnRefused];
+        [Code::NotUtf8, Code::NoQuestion, Code::Fault, Code::InvariantBroken, Code::TestFailed, Code::SpawnRefused];
     // Imports have files of their own, and tests of their own.
     let is_of_import = |code: &Code| code.text()[1..].starts_with("08");
     let missing = Code::ALL.iter().copied().filter(|c| !seen.contains(c) && !elsewhere.contains(c));

@@ -107,6 +107,13 @@
     (inner ":[ \t]*[^:;\n]*[\")[:word:]][ \t]+\\(breakable\\)\\_>\\(?:[ \t]+\\(restore\\)[ \t]+\\(after\\)\\_>\\)?")
     (space start "\\(place\\)[ \t]+" name "[ \t]*:[ \t]*" name "[ \t]+\\(at\\)\\_>")
     (space start "\\(link\\|bounds\\)[ \t]+\\(rect\\)\\_>")
+    (world start "\\(test\\)[ \t]*\"")
+    (claims start "\\(inputs\\)\\(?:[ \t]+\\(from\\)\\)?[ \t]*\"")
+    (claims start "\\(chance\\)[ \t]+\\(seed\\)\\_>")
+    (claims start "\\(expect\\|reachable\\|unreachable\\|unfound\\|never\\)\\_>")
+    (claims operand "\\(at\\|by\\)[ \t]+\\(?:\\(end\\)\\_>\\|[([:word:]]\\)")
+    (claims operand "\\(always\\|never\\)[ \t]*\\(?:[;}]\\|//\\|$\\)")
+    (claims operand "\\(without\\|within\\)[ \t]+[([:word:]]")
     (space start "\\(wrap\\)[ \t]+\\w")
     (space "->[ \t]*" name "[ \t]+\\(at\\)[ \t]+\\(rect\\)\\_>")
     (space start "\\(rect\\)\\_>")
@@ -152,7 +159,7 @@
                                         'symbols)))))))
 
 (defconst hyped--headers
-  '(("world" . world) ("space" . space) ("tiles" . inner) ("place" . inner) ("map" . inner) ("envelope" . ramps)
+  '(("world" . world) ("test" . claims) ("space" . space) ("tiles" . inner) ("place" . inner) ("map" . inner) ("envelope" . ramps)
     ("entity" . members) ("behavior" . members) ("group" . members) ("mode" . members) ("initial" . members)
     ("always" . members)
     ("when" . members) ("else" . members) ("follow" . members)))

@@ -195,7 +195,7 @@ module.exports = grammar({
 
     world_block: $ => block(
       $,
-      [$.tiles, $.space],
+      [$.tiles, $.space, $.test],
       [$.step, $.collide, $.limit, alias($._tag_look, $.look), $.player, $.condition, $.goal, $.never],
     ),
     step: $ => seq('step', field('time', $.expression)),
@@ -219,6 +219,20 @@ module.exports = grammar({
     player: $ => seq('player', field('number', $.number), ':', field('instance', $.identifier)),
     goal: $ => seq('goal', field('name', $.identifier), ':', field('holds', $.expression)),
     never: $ => seq('never', field('name', $.identifier), ':', field('holds', $.expression)),
+
+    test: $ => seq('test', field('name', $.text), field('body', $.test_block)),
+    test_block: $ => block($, [], [$.given, $.draws, $.expect, $.search]),
+    given: $ => seq('inputs', optional('from'), $.text),
+    draws: $ => seq('chance', 'seed', $.number),
+    expect: $ => seq('expect', field('holds', $.expression), choice('always', 'never', seq(choice('at', 'by'), $._moment))),
+    _moment: $ => choice($.end, field('time', $.expression)),
+    end: _ => 'end',
+    search: $ => seq(
+      choice('reachable', 'unreachable', 'unfound', 'never'),
+      field('holds', $.expression),
+      optional(seq(optional('not'), 'without', field('without', $.expression))),
+      optional(seq('within', field('time', $.expression))),
+    ),
 
     space: $ => seq('space', field('name', $.identifier), field('body', $.space_block)),
     space_block: $ => block(

@@ -35,6 +35,7 @@ mod sim;
 mod sim_sweep;
 mod stuck;
 mod sweep;
+mod test;
 mod time;
 mod tune;
 mod watches;
@@ -86,6 +87,7 @@ pub fn main() -> ExitCode {
         Command::Why(args) => why::run(&args),
         Command::Stuck(args) => stuck::run(&args),
         Command::Tune(args) => tune::run(&args),
+        Command::Test(args) => test::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

@@ -67,7 +67,7 @@ pub(super) fn load_changed(path: &Path, level: LevelFile<'_>, changes: &Changes<
     if path.extension().is_some_and(|extension| extension == "json") {
         return load_compiled(path, level, changes);
     }
-    let Compilation { sources, program, diagnostics } = compile_changed(path, level, changes, &Disk);
+    let Compilation { sources, program, diagnostics, .. } = compile_changed(path, level, changes, &Disk);
     match diagnostics.counts() {
         (0, 0) => {}
         // Full warnings would clutter the output of repeated runs.
@@ -82,7 +82,7 @@ pub(super) fn load_changed(path: &Path, level: LevelFile<'_>, changes: &Changes<
 
 /// As [`load_changed`], for a program that was loaded before with other changes: warnings are not counted again.
 pub(super) fn load_again(path: &Path, level: LevelFile<'_>, changes: &Changes<'_>) -> io::Result<Option<Loaded>> {
-    let Compilation { sources, program, diagnostics } = compile_changed(path, level, changes, &Disk);
+    let Compilation { sources, program, diagnostics, .. } = compile_changed(path, level, changes, &Disk);
     if program.is_none() {
         show(&sources, &diagnostics)?;
     }

@@ -4,7 +4,7 @@ use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
-use super::{bounds, corpus, reach, stuck, tune, why};
+use super::{bounds, corpus, reach, stuck, test, tune, why};
 use crate::corpus::Row;
 use crate::diagnostic::render;
 use crate::experiment::Report;
@@ -24,6 +24,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("stuck", closed(stuck::json_schema(), "What `hypedc stuck --format json` writes")),
         ("tune", closed(tune::json_schema(), "What `hypedc tune --format json` writes")),
         ("tune-tiles", closed(tune::tiles_schema(), "What `hypedc tune --tiles --format json` writes")),
+        ("tests", closed(test::json_schema(), "What `hypedc test --format json` writes")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
         ("why", closed(why::json_schema(), "What `hypedc why --format json` writes")),

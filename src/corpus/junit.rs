@@ -120,12 +120,13 @@ fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
     Ok(())
 }
 
-fn seconds(seconds: f64) -> String {
+/// Seconds as an attribute.
+pub(crate) fn seconds(seconds: f64) -> String {
     format!("{seconds:.3}")
 }
 
 /// The text without characters that XML does not have.
-fn printable(text: &str) -> String {
+pub(crate) fn printable(text: &str) -> String {
     let is_fine =
         |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
     text.chars().map(|c| if is_fine(c) { c } else { '\u{fffd}' }).collect()

@@ -85,11 +85,13 @@ codes! {
     BadWrap Error "E0508" "a space cannot wrap"
     BadSlope Error "E0509" "a slope does not fit its tile"
     BadLook Error "E0510" "a look is no colour and no picture"
+    BadTest Error "E0511" "a test cannot be run"
 
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"
     Fault Error "E0603" "a running world broke a rule"
     InvariantBroken Error "E0604" "an invariant does not hold in a running world"
+    TestFailed Error "E0605" "a test failed"
 
     BrokenAtStart Error "E0701" "an invariant does not hold at the start"
 
@@ -113,6 +115,7 @@ codes! {
     BeyondBounds Warning "W0506" "something can only happen out of bounds, where a run ends"
     UnknownLevelName Warning "W0507" "a level has a name that the program almost knows"
     NoPicture Warning "W0508" "a picture cannot be shown"
+    IdleTest Warning "W0509" "a part of a test makes no difference"
     SpawnRefused Warning "W0601" "a spawn found no free slot"
     GuardByValue Warning "W0701" "by its values, a guard never or always holds"
     ModeByValue Warning "W0702" "by the values, a mode is never entered"

@@ -113,6 +113,7 @@ fn is_bad(rule: Rule) -> bool {
             | Rule::bad_kind
             | Rule::bad_space_item
             | Rule::bad_setting
+            | Rule::bad_test_item
     )
 }
 
@@ -144,6 +145,7 @@ fn is_block(rule: Rule) -> bool {
             | Rule::tile_block
             | Rule::kind_block
             | Rule::space_block
+            | Rule::test_block
             | Rule::settings
     )
 }

@@ -175,6 +175,11 @@ impl<I: Id, T> IdVec<I, T> {
         I::from_index(self.entries.len() - 1)
     }
 
+    /// Removes the last entry.
+    pub fn pop(&mut self) -> Option<T> {
+        self.entries.pop()
+    }
+
     /// Makes room for exactly `more` entries.
     pub fn reserve(&mut self, more: usize) {
         self.entries.reserve_exact(more);

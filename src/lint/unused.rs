@@ -53,7 +53,8 @@ impl Reads {
             let guards = world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref());
             let given = world.instances.iter().flat_map(|i| &i.given).map(|(_, term)| term);
             let conditions = world.conditions.iter().map(|c| &c.value);
-            for term in questions.chain(guards).chain(given).chain(conditions) {
+            let tests = world.tests.iter().flat_map(|test| &test.predicates);
+            for term in questions.chain(guards).chain(given).chain(conditions).chain(tests) {
                 reads.term(checked, TermOwner::World(id), term);
             }
         }

@@ -14,6 +14,7 @@ use crate::ir::{
 pub use super::annotation::Annotation;
 pub use super::checked_contact::*;
 pub use super::checked_envelope::*;
+pub use super::checked_test::*;
 pub use super::checked_world::*;
 use crate::source::Span;
 pub use crate::syntax::ast::Name;

@@ -9,7 +9,7 @@ use crate::ir::{
 use crate::source::Span;
 use crate::syntax::ast::Name;
 
-use super::checked::{Condition, Term};
+use super::checked::{Condition, Term, Test};
 
 /// A world.
 #[derive(Debug, Clone)]
@@ -20,7 +20,7 @@ pub struct World {
     pub step: (u64, u64),
     /// Terms that must be lengths: the sides of tiles.
     pub lengths: Vec<Term>,
-    /// Terms that must be times: after how long broken tiles are back.
+    /// Terms that must be times: after how long broken tiles are back, and the times of tests.
     pub times: Vec<Term>,
     /// `collide` lines in source order.
     pub collide: Vec<CollideRule>,
@@ -42,6 +42,8 @@ pub struct World {
     pub goals: IdVec<GoalId, Question>,
     /// What must not happen.
     pub nevers: IdVec<NeverId, Question>,
+    /// Its tests, in source order.
+    pub tests: Vec<Test>,
     /// Named conditions, which their uses have replaced.
     pub conditions: Box<[Condition]>,
     /// The space whose map the command line must provide.

@@ -107,9 +107,10 @@ pub(super) fn check(program: &Checked, sources: &SourceMap, diagnostics: &mut Di
             let entity_of = |slot: SlotId| world.instances[slot].entity;
             solver.dimension(&condition.value, &TermContext { me: None, entity_of: &entity_of });
         }
-        for question in world.goals.iter().chain(world.nevers.iter()) {
+        let questions = world.goals.iter().chain(world.nevers.iter()).map(|question| &question.predicate);
+        for predicate in questions.chain(world.tests.iter().flat_map(|test| &test.predicates)) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;
-            solver.dimension(&question.predicate, &TermContext { me: None, entity_of: &entity_of });
+            solver.dimension(predicate, &TermContext { me: None, entity_of: &entity_of });
         }
         for guard in world.spaces.iter().flat_map(|s| &s.links).filter_map(|l| l.guard.as_ref()) {
             let entity_of = |slot: SlotId| world.instances[slot].entity;

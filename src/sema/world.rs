@@ -17,6 +17,7 @@ use super::constant::ConstantContext;
 use super::expression::{Scope, WorldNames};
 use super::names::{Table, unknown};
 use super::population::Population;
+use super::test::Questions;
 use super::{Checker, MAX_TILE_KINDS};
 
 /// A tile set: its size, its tiles, and their spawns.
@@ -54,6 +55,7 @@ impl Checker<'_> {
             players: IdVec::new(),
             goals: IdVec::new(),
             nevers: IdVec::new(),
+            tests: Vec::new(),
             conditions: Box::default(),
             open: None,
             span: syntax.span,
@@ -162,6 +164,7 @@ impl Checker<'_> {
                 }
             }
         }
+        self.tests(syntax, &Questions { goals: &goals, nevers: &nevers }, &scope, &mut world);
         world.conditions = self.take_conditions(&scope).into();
         self.awaited_instances(&world);
         self.checked.worlds.push(world);

@@ -49,7 +49,7 @@ pub use inspect::Inspection;
 pub use instance::Instance;
 pub use run::Run;
 pub use saved::{NotAState, State};
-pub use script::{Script, ScriptStep, parse_script};
+pub use script::{Script, ScriptStep, parse_script, parse_script_at};
 pub use simulator::{Scratch, Simulator};
 #[cfg(feature = "testing")]
 pub(crate) use trace::trace_schemas;

@@ -128,7 +128,17 @@ const DIRECTIONS: [(&str, &str, f64); 4] =
 
 /// Parses a script for the players of a world. `file` is the location of `text` for diagnostics.
 pub fn parse_script(program: &Program, world: WorldId, file: FileId, text: &str) -> (Script, Diagnostics) {
-    let mut parser = Parser { program, world, file, text, diagnostics: Diagnostics::new() };
+    parse_script_at(program, world, (file, 0), text)
+}
+
+/// As [`parse_script`], for a text that begins at a byte of its file.
+pub fn parse_script_at(
+    program: &Program,
+    world: WorldId,
+    (file, base): (FileId, usize),
+    text: &str,
+) -> (Script, Diagnostics) {
+    let mut parser = Parser { program, world, file, base, text, diagnostics: Diagnostics::new() };
     let mut script = Script::default();
     let mut rest = text;
     while let Some(start) = rest.find(|c: char| !c.is_whitespace()) {
@@ -154,6 +164,8 @@ struct Parser<'a> {
     program: &'a Program,
     world: WorldId,
     file: FileId,
+    /// Where the text begins in its file.
+    base: usize,
     text: &'a str,
     diagnostics: Diagnostics,
 }
@@ -166,7 +178,8 @@ enum Target {
 
 impl Parser<'_> {
     fn report(&mut self, from: usize, to: usize, why: String, help: Option<String>) {
-        self.diagnostics.report(BadInput { at: Span::new(self.file, from, to), why, help });
+        let at = Span::new(self.file, self.base + from, self.base + to);
+        self.diagnostics.report(BadInput { at, why, help });
     }
 
     fn step(&mut self, from: usize, to: usize) -> Option<(Input, u32)> {

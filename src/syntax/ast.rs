@@ -8,6 +8,7 @@ use crate::source::{FileId, Span};
 
 pub use super::ast_expression::*;
 pub use super::ast_path::*;
+pub use super::ast_test::*;
 pub use super::ast_world::*;
 pub use super::word::Word;
 

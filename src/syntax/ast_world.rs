@@ -2,7 +2,7 @@
 
 use crate::source::Span;
 
-use super::ast::{Assignment, Condition, Expr, File, Item, Name};
+use super::ast::{Assignment, Condition, Expr, File, Item, Name, Test};
 
 /// `world Name { … }`
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +40,8 @@ pub enum WorldItem {
     Goal(Box<Question>),
     /// `never name: predicate`
     Never(Box<Question>),
+    /// `test "name" { … }`
+    Test(Box<Test>),
 }
 
 impl File {

@@ -53,6 +53,10 @@ impl<'a> Builder<'a> {
                 let set = width.zip(height).map(|(width, height)| Tiles { name, width, height, tiles, span });
                 Some((set.map(|set| WorldItem::Tiles(set.into())), end))
             }
+            Rule::test_head => {
+                let (test, end) = self.test(pair, end)?;
+                Some((test.map(|test| WorldItem::Test(test.into())), end))
+            }
             Rule::bad_world_item => {
                 self.bad(Rule::only_world_item, pair);
                 Some((None, end))

@@ -186,7 +186,8 @@ mod tests {
         assert_eq!(opening_keywords("mode"), ["initial", "mode"]);
         assert_eq!(opening_keywords("good_update"), ["spawn", "destroy", "send"]);
         assert_eq!(opening_keywords("good_space_item"), ["map", "place", "link", "rect", "bounds", "wrap"]);
-        let world = ["step", "collide", "tiles", "space", "limit", "look", "player", "condition", "goal", "never"];
+        let world =
+            ["step", "collide", "tiles", "space", "limit", "look", "player", "condition", "goal", "never", "test"];
         assert_eq!(opening_keywords("good_world_item"), world);
         assert!(opening_keywords("good_member").contains(&"follow"));
         assert_eq!(opening_keywords("name"), [""; 0]);

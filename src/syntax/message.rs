@@ -99,6 +99,7 @@ fn opening_words(rule: Rule) -> &'static [&'static str] {
         Rule::only_world_item => "good_world_item",
         Rule::only_space_item => "good_space_item",
         Rule::only_ramp => "good_ramp",
+        Rule::only_test_item => "good_test_item",
         _ => return &[],
     })
 }
@@ -235,7 +236,14 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         R::text => "a text in quotes",
         R::map_text => "a map (`\"` at the end of the line, the rows, `\"` on a line of its own)",
         R::number | R::digits => "a number",
-        R::open_brace | R::block | R::world_block | R::space_block | R::tile_block | R::kind_block | R::ramps => "`{`",
+        R::open_brace
+        | R::block
+        | R::world_block
+        | R::space_block
+        | R::tile_block
+        | R::kind_block
+        | R::ramps
+        | R::test_block => "`{`",
         R::close_brace => "`}`",
         R::open_paren | R::point => "`(`",
         R::close_paren => "`)`",
@@ -259,6 +267,7 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         R::dash => "`-`",
         R::wrap_way => "`horizontal` or `vertical`",
         R::dimension => "a dimension such as `px/s`",
+        R::moment => "`at TIME`, `by TIME`, `at end`, `by end`, `always` or `never`",
         rule => return statement_word(rule).map(|word| format!("`{word}`").into()),
     };
     Some(word.into())
@@ -301,6 +310,9 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
             | R::wrap
             | R::link
             | R::legend
+            | R::test
+            | R::given
+            | R::expect
     );
     match rule {
         R::mode => Some("mode"),
@@ -309,6 +321,9 @@ fn statement_word(rule: Rule) -> Option<&'static str> {
         R::word_by | R::word_with | R::word_at | R::word_x | R::word_links | R::word_tile | R::word_after => {
             keyword(rule)
         }
+        R::word_end | R::word_seed | R::word_from => keyword(rule),
+        R::without => Some("without"),
+        R::deadline => Some("within"),
         R::slope => Some("slope"),
         R::breakable => Some("breakable"),
         _ if is_statement => opening_keywords(&format!("{rule:?}")).first().copied(),

@@ -6,9 +6,11 @@
 pub mod ast;
 mod ast_expression;
 mod ast_path;
+mod ast_test;
 mod ast_world;
 mod build;
 mod build_envelope;
+mod build_test;
 mod build_world;
 mod expand;
 mod expression;

@@ -147,6 +147,11 @@ fn is_punctuation(rule: Rule) -> bool {
             | R::word_touching
             | R::word_nearest
             | R::word_within
+            | R::word_test
+            | R::word_inputs
+            | R::word_seed
+            | R::word_expect
+            | R::word_without
     )
 }
 
@@ -177,8 +182,25 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         "signal",
         "chance",
     ];
-    const OTHER: &[&str] =
-        &["when", "else", "envelope", "import", "step", "collide", "player", "kinematic", "initial", "use", "look"];
+    const OTHER: &[&str] = &[
+        "when",
+        "else",
+        "envelope",
+        "import",
+        "step",
+        "collide",
+        "player",
+        "kinematic",
+        "initial",
+        "use",
+        "look",
+        "test",
+        "inputs",
+        "expect",
+        "reachable",
+        "unreachable",
+        "unfound",
+    ];
     let mut declaring = false;
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     let mut first = true;

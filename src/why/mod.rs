@@ -8,14 +8,20 @@
 //! | `whom` | what an instance touches |
 //! | `run` | a run to a step, with what happened in it, and since when |
 //! | `nearly` | how near the guards of edges came in a run |
+//! | `predicate` | a predicate of a world in a state, part by part |
+//! | `coverage` | what runs cover: modes, edges, parts of guards |
 
+mod coverage;
 mod nearly;
+mod predicate;
 mod record;
 mod run;
 mod step;
 mod whom;
 
+pub use coverage::{Covered, EdgeCoverage, ModeCoverage, PartCoverage, PlaceCoverage};
 pub use nearly::{Missing, Nearly, NearlyEdge, nearly};
+pub use predicate::{predicate_atoms, predicate_distance};
 pub use record::{Atom, Contact, EdgeState, Inspected, Place, Value};
 pub use run::{AtomSince, EdgeWhy, ModeSince, RunError, Touched, Why, Write, why};
 pub use step::{Moment, inspect, place};

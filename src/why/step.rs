@@ -223,19 +223,6 @@ impl Guards<'_> {
         }
     }
 
-    /// The text of a part. A comparison with an argument of a behaviour is put together from both sides, as they are in
-    /// different texts.
-    fn text(&self, id: ExprId) -> String {
-        let slice = |id: ExprId| on_one_line(self.sources.slice(self.program.spans.exprs[id]));
-        let text = slice(id);
-        match self.program.exprs[id] {
-            Expr::Compare(op, a, b) if !text.contains(['<', '>', '=']) => {
-                format!("{} {} {}", slice(a), op.symbol(), slice(b))
-            }
-            _ => text,
-        }
-    }
-
     pub fn atom(&self, id: ExprId) -> Atom {
         let compared = match self.program.exprs[id] {
             Expr::Not(a) => a,
@@ -248,6 +235,19 @@ impl Guards<'_> {
             }
             _ => None,
         };
-        Atom { text: self.text(id), held: self.truth(id), sides }
+        Atom { text: atom_text(self.program, self.sources, id), held: self.truth(id), sides }
+    }
+}
+
+/// The text of a part. A comparison with an argument of a behaviour is put together from both sides, as they are in
+/// different texts.
+pub(super) fn atom_text(program: &Program, sources: &SourceMap, id: ExprId) -> String {
+    let slice = |id: ExprId| on_one_line(sources.slice(program.spans.exprs[id]));
+    let text = slice(id);
+    match program.exprs[id] {
+        Expr::Compare(op, a, b) if !text.contains(['<', '>', '=']) => {
+            format!("{} {} {}", slice(a), op.symbol(), slice(b))
+        }
+        _ => text,
     }
 }

@@ -52,7 +52,7 @@ pub fn compile_text(text: &str) -> Compilation {
 
 /// The program of a compilation, or its findings.
 pub fn program(compilation: Compilation) -> Arc<Program> {
-    let Compilation { sources, program, diagnostics } = compilation;
+    let Compilation { sources, program, diagnostics, .. } = compilation;
     program.unwrap_or_else(|| panic!("{}", render::human(&sources, diagnostics.iter(), false)))
 }
 

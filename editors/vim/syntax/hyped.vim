@@ -94,7 +94,7 @@ syn match hypedOperand /\%(\%(not\|true\|false\|none\|self\|timer\|if\|clamp\)\>
 " ---- worlds -----------------------------------------------------------------------------------------------------------
 
 syn region hypedWorld matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedWorldItem
-syn cluster hypedWorldItem contains=@hypedExpression,hypedItem,hypedColor,hypedTimes,hypedTiles,hypedSpaceWord
+syn cluster hypedWorldItem contains=@hypedExpression,hypedItem,hypedColor,hypedTimes,hypedTiles,hypedSpaceWord,hypedTestWord
 
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=step\>\%(\s*\%([=:.,)*/+<>]\|$\)\)\@!/ contained
 syn match hypedItem /\%(\%(^\|[{;}]\)\s*\)\@<=limit\>\ze\s\+\K\k*\s\+[[:keyword:](]/ contained nextgroup=hypedType skipwhite
@@ -119,6 +119,18 @@ syn region hypedCollide keepend start=/\ze\S/ skip=/,\s*\%(\/\/.*\)\?\n/ end=/$/
 syn keyword hypedWith with contained
 syn region hypedResponse start=/:/ skip=/,\s*\%(\/\/.*\)\?\n/ end=/$/ end=/\ze[;}]/ contained contains=hypedResponseWord,hypedComment
 syn keyword hypedResponseWord block sense from above keep velocity carry bounce contained
+
+" ---- tests ------------------------------------------------------------------------------------------------------------
+
+syn match hypedTestWord /\%(\%(^\|[{;}]\)\s*\)\@<=test\>\ze\s*"/ contained nextgroup=hypedTestName skipwhite
+syn match hypedTestName /"[^"]*"/ contained nextgroup=hypedTest skipwhite skipempty
+syn region hypedTest matchgroup=hypedBrace start=/{/ end=/}/ contained fold contains=@hypedExpression,hypedClaim,hypedMoment
+syn match hypedClaim /\%(\%(^\|[{;]\)\s*\)\@<=inputs\%(\s\+from\)\?\>\ze\s*"/ contained
+syn match hypedClaim /\%(\%(^\|[{;]\)\s*\)\@<=chance\s\+seed\>/ contained
+syn match hypedClaim /\%(\%(^\|[{;]\)\s*\)\@<=\%(expect\|reachable\|unreachable\|unfound\|never\)\>/ contained
+syn match hypedMoment /\%([[:keyword:])'"]\s\+\)\@<=\%(at\|by\)\>\%(\s\+end\>\)\?/ contained
+syn match hypedMoment /\%([[:keyword:])'"]\s\+\)\@<=\%(always\|never\)\>\ze\s*\%([;}]\|\/\/\|$\)/ contained
+syn match hypedMoment /\%([[:keyword:])'"]\s\+\)\@<=\%(without\|within\)\>/ contained
 
 " ---- spaces -----------------------------------------------------------------------------------------------------------
 
@@ -180,6 +192,10 @@ hi def link hypedRate Statement
 hi def link hypedSustained Statement
 hi def link hypedLevel Statement
 hi def link hypedItem Statement
+hi def link hypedTestWord Structure
+hi def link hypedTestName Label
+hi def link hypedClaim Statement
+hi def link hypedMoment Keyword
 hi def link hypedTimes Statement
 hi def link hypedWith Statement
 hi def link hypedTileWord Keyword

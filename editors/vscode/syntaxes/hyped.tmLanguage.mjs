@@ -176,6 +176,10 @@ const repository = {
         ...use('comments'),
         block(...use('space-items')),
       ], 'meta.space'),
+      between(r`${START}(test)\s*("[^"]*")`, ['storage.type', 'string.quoted.double entity.name.function'], r`(?<=\})|(?=\})|(?=${WORLD_ITEM})`, [], [
+        ...use('comments'),
+        block(...use('claims')),
+      ], 'meta.test'),
       groups(r`${START}(limit)\s+(${NAME})(?=\s+[\p{L}\d_(])`, 'keyword.control', 'entity.name.type'),
       between(r`${START}(look)(?=\s+${NAME}\s*[,:](?!=)|\s*"[^"]*"\s*[,:])`, ['keyword.control'], END, [], [
         ...use('comments'),
@@ -190,6 +194,18 @@ const repository = {
       groups(r`${START}(goal|never)\s+(${NAME})\s*(:)(?!=)`, 'storage.type', 'entity.name.label', 'punctuation.separator'),
       groups(r`${START}(condition)\s+(${NAME})\s*(=)(?!=)`, 'storage.type', 'entity.name.label', 'keyword.operator.assignment'),
       block(...use('world-items')),
+      ...use('expression'),
+    ],
+  },
+  claims: {
+    patterns: [
+      ...use('comments'),
+      groups(r`${START}(inputs)(?:\s+(from))?(?=\s*")`, 'keyword.control', 'keyword.control'),
+      groups(r`${START}(chance)\s+(seed)\b`, 'keyword.control', 'keyword.control'),
+      groups(r`${START}(expect|reachable|unreachable|unfound|never)\b`, 'keyword.control'),
+      groups(r`${AFTER_OPERAND}(at|by)\s+(end)\b`, 'keyword.control', 'keyword.control'),
+      groups(r`${AFTER_OPERAND}(at|by|without|within)(?=\s*\(|\s+[\p{L}\d_-])`, 'keyword.control'),
+      groups(r`${AFTER_OPERAND}(always|never)(?=\s*(?:[;}]|//|$))`, 'keyword.control'),
       ...use('expression'),
     ],
   },

@@ -23,6 +23,7 @@ pub(in crate::cli) use why::WhyArgs;
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::experiment::args::ExperimentArgs;
 use crate::cli::stuck::args::StuckArgs;
+use crate::cli::test::args::TestArgs;
 use crate::cli::time::{Hold, Time};
 use crate::cli::tune::args::TuneArgs;
 
@@ -57,6 +58,8 @@ pub(in crate::cli) enum Command {
     Stuck(StuckArgs),
     /// Finds the smallest change of a number, or of a level, that turns an answer.
     Tune(TuneArgs),
+    /// Runs the tests that programs hold.
+    Test(TestArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

@@ -67,7 +67,7 @@ impl CorpusContext<'_> {
             }
         };
         let changes = ReachChanges::new(self.args);
-        let Compilation { sources, program, diagnostics } =
+        let Compilation { sources, program, diagnostics, .. } =
             compile_changed(&self.args.file, self.args.reading.of(path), &changes.changes(), &Disk);
         let Some(program) = program else {
             let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error);

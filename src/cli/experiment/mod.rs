@@ -71,7 +71,7 @@ pub(in crate::cli) fn run(args: &ExperimentArgs) -> io::Result<Exit> {
 fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
     let mut sources = Vec::new();
     for paper in Test::ALL.into_iter().filter(|test| args.tests.contains(&test.number())) {
-        let Compilation { sources: files, program, diagnostics } = paper.compile();
+        let Compilation { sources: files, program, diagnostics, .. } = paper.compile();
         let Some(program) = program else {
             show(&files, &diagnostics)?;
             return Ok(Exit::Refused);

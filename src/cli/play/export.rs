@@ -89,7 +89,7 @@ impl Carried {
     pub fn read(file: &Path, level: LevelFile<'_>, engine_file: Option<&Path>) -> Result<Carried, NoPage> {
         let engine = engine(engine_file).map_err(NoPage::Plain)?;
         let recorder = Recorder::default();
-        let Compilation { sources, program, diagnostics } = compile_with(file, level, &recorder);
+        let Compilation { sources, program, diagnostics, .. } = compile_with(file, level, &recorder);
         let Some(program) = program else { return Err(NoPage::Findings(sources, diagnostics)) };
         if program.worlds.is_empty() {
             return Err(NoPage::Plain(format!("`{}` has no world to play", file.display())));

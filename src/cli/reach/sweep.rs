@@ -188,7 +188,7 @@ fn point(args: &ReachArgs, sweep: &Sweep<'_>, at: usize, task: &TaskContext<'_, 
     let blank = Point { values, program_sha256: None, answers: Vec::new(), error: None, refuted: None };
     let path: Option<&Path> = args.map.first().map(AsRef::as_ref);
     let changes = ReachChanges::new(args).setting(&sweep.numbers(at));
-    let Compilation { sources, program, diagnostics } =
+    let Compilation { sources, program, diagnostics, .. } =
         compile_changed(&args.file, args.reading.of(path), &changes.changes(), &Disk);
     let Some(program) = program else {
         let errors = diagnostics.iter().filter(|found| found.severity == Severity::Error);

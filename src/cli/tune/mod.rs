@@ -104,7 +104,7 @@ impl<'a> Disked<'a> {
 impl Host for Disked<'_> {
     fn build(&self, numbers: &[NumberSetting<'_>]) -> Result<Built, String> {
         let numbers = [self.args.numbers.fixed(), numbers.to_vec()].concat();
-        let Compilation { sources, program, diagnostics } =
+        let Compilation { sources, program, diagnostics, .. } =
             compile_changed(&self.args.file, self.args.level.file(), &self.changes(&numbers), &Disk);
         let Some(program) = program else {
             let errors = diagnostics.iter().filter(|found| found.severity == Severity::Error);

@@ -22,6 +22,7 @@ pub mod run;
 pub mod slope;
 pub mod structure;
 pub mod syntax;
+pub mod test;
 pub mod types;
 pub mod values;
 pub mod world;

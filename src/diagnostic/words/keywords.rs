@@ -448,7 +448,49 @@ pub const MEANINGS: &[Meaning] = &[
          `bounds`, or of the map.",
         "wrap horizontal\nwrap vertical",
     ),
+    // Tests.
+    means(
+        "test",
+        "What `hypedc test` checks: claims about the run of some inputs, and about all runs. No run depends on it.",
+        TEST,
+    ),
+    means(
+        "inputs",
+        "The inputs of a test's run, as an input script, or in a file after `from`. Several lines are one script.",
+        TEST,
+    ),
+    means("seed", "`chance seed N` in a test: what nature draws, as `hypedc sim --chance seed=N` draws it.", SEED),
+    means(
+        "expect",
+        "In a test: a predicate that holds in the run of its inputs, `at` a time, `by` a time, `always` or `never`.",
+        TEST,
+    ),
+    means("end", "`at end`, `by end`: after the last step of the run of a test.", TEST),
+    means(
+        "reachable",
+        "In a test: a search finds inputs after which the predicate holds, and they are replayed.",
+        "test \"the exit\" { reachable hero.x > 300 within 20s }",
+    ),
+    means(
+        "unreachable",
+        "In a test: it is proven that no inputs lead to the predicate. That a search finds none is not enough.",
+        "test \"the exit\" { unreachable hero.x > 300 without hero.keys > 0 }",
+    ),
+    means(
+        "unfound",
+        "In a test: a search within its budget does not find the predicate, which proves nothing.",
+        "test \"nobody falls\" { unfound hero.y < 0 within 20s }",
+    ),
+    means(
+        "without",
+        "In a test: only ways on which a predicate never holds. After `not`: there is a way, and none without it.",
+        "test \"the key\" { reachable hero.x > 300 not without hero.keys > 0 }",
+    ),
 ];
+
+const TEST: &str = "test \"it walks\" {\n    inputs \"right*60\"\n    expect hero.x > 50 at 1s\n    expect hero.y >= 0 always\n    \
+                    expect hero.x > 90 by end\n}";
+const SEED: &str = "test \"a six\" {\n    chance seed 7\n    expect hero.y > 5 by 2s\n}";
 
 const VGLC: &str = "map vglc \"one.txt\" legend \"legend.json\" tile 16 x 16 { 'E': spawn Slime }";
 const LINK: &str = "link rect(64, 0, 16, 16) -> cellar at rect(0, 32, 16, 16) when hero.keys > 0";

@@ -297,6 +297,19 @@ impl CompletionCollector<'_> {
                     self.words(&["hold", "to"]);
                 }
             }
+            ("chance", "chance") if cursor.block() == Some(Block::Test) => self.words(&["seed"]),
+            ("seed", "chance") => {}
+            ("inputs", "inputs") => self.words(&["from"]),
+            ("at" | "by", "expect") => self.words(&["end"]),
+            ("without" | "within", "reachable" | "unreachable" | "unfound") => return false,
+            ("never", "never") if cursor.block() == Some(Block::Test) => {
+                self.questions(world, false);
+                return false;
+            }
+            ("expect" | "reachable" | "unreachable" | "unfound", _) if cursor.statement.len() == 1 => {
+                self.questions(world, last != "unfound");
+                return false;
+            }
             ("condition", "condition") | ("chance", "chance") if cursor.statement.len() == 1 => {}
             // The author chooses a new name.
             ("entity" | "behavior" | "world" | "mode" | "group" | "param" | "continuous" | "discrete" | "ref", _)
@@ -308,6 +321,16 @@ impl CompletionCollector<'_> {
             _ => return false,
         }
         true
+    }
+
+    /// Adds the goals of a world, or its `never`s.
+    fn questions(&mut self, world: Option<&World>, are_goals: bool) {
+        let Some(world) = world else { return };
+        let (questions, detail): (Vec<_>, _) = match are_goals {
+            true => (world.goals.iter().collect(), "goal"),
+            false => (world.nevers.iter().collect(), "never"),
+        };
+        questions.iter().for_each(|q| self.add(0, &q.name.text, CompletionKind::Function, detail));
     }
 
     /// Adds the items at the start of a statement.

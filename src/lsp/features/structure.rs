@@ -36,6 +36,8 @@ pub(in crate::lsp) enum SymbolKind {
     Player,
     /// A `limit`.
     Limit,
+    /// A `test`.
+    Test,
 }
 
 /// An entry of the outline.
@@ -328,6 +330,7 @@ impl Outline<'_> {
                 let detail = format!("limit {}", self.slice(l.count.span));
                 self.symbol(&l.entity, SymbolKind::Limit, l.span, Some(&detail), Vec::new())
             }
+            WorldItem::Test(t) => self.symbol(&t.name, SymbolKind::Test, t.span, Some("test"), Vec::new()),
             WorldItem::Step(_) | WorldItem::Collide(_) | WorldItem::Look(_) => return None,
         })
     }

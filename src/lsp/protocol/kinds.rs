@@ -39,6 +39,7 @@ pub(super) fn of_symbol(kind: PartKind) -> SymbolKind {
         PartKind::Tile => SymbolKind::EnumMember,
         PartKind::Player => SymbolKind::Key,
         PartKind::Limit => SymbolKind::Number,
+        PartKind::Test => SymbolKind::Function,
     }
 }
 

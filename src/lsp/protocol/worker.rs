@@ -300,7 +300,7 @@ mod tests {
     fn compile(path: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace) -> Snapshot {
         disk.read(path).unwrap();
         let (sources, diagnostics) = (SourceMap::new(), Diagnostics::default());
-        let compilation = Compilation { sources, program: None, diagnostics };
+        let compilation = Compilation { sources, program: None, diagnostics, tests: Vec::new() };
         let ide = IdeCompilation { compilation, checked: Checked::default(), occurrences: Vec::new() };
         Snapshot::new(path, open, ide, [path.to_path_buf()].into())
     }

@@ -22,6 +22,8 @@ pub(in crate::lsp) enum Block {
     Settings,
     /// The meanings of the names and characters of a level.
     Kinds,
+    /// The statements of a test.
+    Test,
     /// The values of a discrete variable, or an unknown block.
     Other,
 }
@@ -227,6 +229,7 @@ fn block_of_head<'t>(head: &[&'t str], outer: Option<Block>) -> (Block, &'t str)
         ("envelope", _) => (Block::Envelope, ""),
         ("tiles", Some(Block::World)) => (Block::Tiles, word(1)),
         ("space", Some(Block::World)) => (Block::Space, word(1)),
+        ("test", Some(Block::World)) => (Block::Test, word(1)),
         ("place", Some(Block::Space)) => (Block::Settings, word(3)),
         ("map", Some(Block::Space)) => (Block::Kinds, ""),
         (_, Some(Block::Tiles | Block::Kinds)) if head.contains(&"spawn") => (Block::Settings, after("spawn")),

@@ -40,6 +40,7 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
             () if has("slope") => &["breakable"],
             () => &["slope", "breakable"],
         },
+        (_, Some(Block::Test)) => after_claim(cursor, joined),
         ("place" | "rect" | "bounds" | "collider" | "kinematic" | "link", _) if !cursor.calls.is_empty() => &[],
         _ if !cursor.calls.is_empty() => joined,
         ("goal" | "never", _) => {
@@ -89,6 +90,21 @@ pub(in crate::lsp) fn after_operand(cursor: &CursorContext<'_>) -> &'static [&'s
         ("when" | "and" | "or", _) if has("->") => &[],
         ("when" | "and" | "or" | "while" | "invariant" | "condition", _) => joined,
         ("collider" | "kinematic" | "follow" | "initial", _) => joined,
+        _ => &[],
+    }
+}
+
+/// The keywords that can follow an operand in a claim of a test.
+fn after_claim(cursor: &CursorContext<'_>, joined: &'static [&'static str]) -> &'static [&'static str] {
+    let has = |word: &str| cursor.statement.contains(&word);
+    match cursor.statement.first().copied().unwrap_or_default() {
+        _ if !cursor.calls.is_empty() => joined,
+        "expect" if has("at") || has("by") => &[],
+        "expect" => &["and", "or", "in", "touching", "at", "by", "always", "never"],
+        _ if has("within") => &[],
+        "reachable" if !has("without") => &["and", "or", "in", "touching", "within", "without", "not without"],
+        "unreachable" | "unfound" | "never" if !has("without") => &["and", "or", "in", "touching", "within", "without"],
+        "reachable" | "unreachable" | "unfound" | "never" => &["and", "or", "in", "touching", "within"],
         _ => &[],
     }
 }

@@ -71,6 +71,7 @@ pub(in crate::lsp) fn statement_starts(block: Option<Block>) -> (&'static [&'sta
         Some(Block::Envelope) => (opening_keywords("good_ramp"), &[]),
         Some(Block::World) => (opening_keywords("good_world_item"), WORLD_ITEMS),
         Some(Block::Space) => (opening_keywords("good_space_item"), SPACE_ITEMS),
+        Some(Block::Test) => (opening_keywords("good_test_item"), TEST_ITEMS),
         Some(Block::Tiles | Block::Settings | Block::Kinds | Block::Other) => (&[], &[]),
     }
 }
@@ -101,6 +102,19 @@ const WORLD_ITEMS: &[Snippet] = &[
     snippet("never …", "never ${1:name}: ${2:predicate}", "what must not happen"),
     snippet("collide …", "collide ${1:body} with ${2:wall}: block", "what a contact does"),
     snippet("space …", "space ${1:main} {\n    $0\n}", "a room"),
+    snippet("test …", "test \"${1:it works}\" {\n    $0\n}", "what `hypedc test` checks"),
+];
+
+const TEST_ITEMS: &[Snippet] = &[
+    snippet("inputs …", "inputs \"${1:right*60}\"", "what players do in the run of the test"),
+    snippet("expect … at", "expect ${1:predicate} at ${2:1s}", "what holds at a time of the run"),
+    snippet("expect … always", "expect ${1:predicate} always", "what holds in the whole run"),
+    snippet("reachable … within", "reachable ${1:goal} within ${2:20s}", "a way is found"),
+    snippet(
+        "unreachable … without",
+        "unreachable ${1:goal} without ${2:predicate}",
+        "it is proven that there is no way",
+    ),
 ];
 
 const SPACE_ITEMS: &[Snippet] =

@@ -7,5 +7,5 @@ mod session;
 mod wording;
 
 pub use answer::{Answer, Counterexample, CoverageSummary, ExhaustedHold, Kind, ProofMethod, SearchWindow};
-pub use session::{Found, Phase, Query, QueryError, Session, Supervisor};
+pub use session::{Found, Phase, Query, QueryError, Session, Supervisor, replay};
 pub use wording::{is_bounded, proof_reasons};

@@ -280,12 +280,11 @@ impl Session {
                 never: self.sim.world().nevers[*never].name.clone(),
                 steps: script.len(),
                 inputs: script.text(program, world),
-                luck: problem.and_then(|problem| self.luck(&problem, script, kept)),
+                luck: problem.and_then(|problem| luck(&problem, script, kept)),
             }
         });
         let violations = violations.collect();
-        let luck =
-            found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| self.luck(p, &plan.script, plan.after));
+        let luck = found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| luck(p, &plan.script, plan.after));
         let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
         let spaces = spaces.unwrap_or_default();
         let why_not = self.why_not(found, sources);
@@ -324,12 +323,6 @@ impl Session {
             }
         }
         spaces
-    }
-
-    /// The luck that a script needs, where nature draws and a search chose it.
-    fn luck(&self, problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
-        let is_chosen = !self.sim.draws().is_empty() && !problem.is_foretold();
-        is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
     }
 
     fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
@@ -412,7 +405,6 @@ impl Session {
         after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len).max()
     }
 
-    /// The problem for a target; `None` if the watch stopped the replay of a start.
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
         let problem = self.query.problem(&self.sim, target, watch)?;
         Ok(problem.map(|problem| match &self.monitor {
@@ -420,4 +412,25 @@ impl Session {
             None => problem,
         }))
     }
+}
+
+/// Replays a script that was found for a target before, without the analysis. If it still leads there from the initial
+/// state: the path up to the target, and the luck that it needs.
+pub fn replay(
+    sim: &Simulator,
+    query: &Query,
+    target: Target,
+    script: &Script,
+    watch: &dyn Watch,
+) -> Option<(Plan, Option<Luck>)> {
+    let problem = query.problem(sim, target, watch).ok()??;
+    let plan = plan_from_script(&problem, script, 0, watch)?;
+    let luck = luck(&problem, &plan.script, 0);
+    Some((plan, luck))
+}
+
+/// The luck that a script needs, where nature draws and a search chose it.
+fn luck(problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
+    let is_chosen = !problem.sim.draws().is_empty() && !problem.is_foretold();
+    is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
 }

@@ -83,14 +83,15 @@
 [
   "const" "param" "continuous" "discrete" "ref" "button" "axis" "collider" "kinematic" "clamp" "invariant" "group"
   "mode" "envelope" "use" "spawn" "destroy" "initial" "always" "follow" "links" "step" "collide" "limit" "player"
-  "condition" "chance" "signal" "look" "send" "goal" "never" "map" "place" "link" "rect" "bounds" "wrap" "int"
+  "condition" "chance" "signal" "look" "send" "goal" "never" "test" "map" "place" "link" "rect" "bounds" "wrap" "int"
 ] @keyword
 (bool_domain) @keyword
 [
   "with" "from" "above" "at" "by" "fixed" "directions" "attack" "decay" "sustain" "release" "accel" "over" "to" "for"
   "legend" "tile" "vglc" "tiled" "ldtk" "level" "x" "restore" "after"
+  "inputs" "seed" "expect" "reachable" "unreachable" "unfound" "without"
 ] @keyword
-[(instant) (hold) (way)] @keyword
+[(instant) (hold) (way) (end)] @keyword
 ["block" "sense" "keep" "velocity" "carry" "bounce" "slope" "breakable"] @keyword.modifier
 ["when" "else" "while"] @keyword.conditional
 ["and" "or" "not" "in" "is" "as" "any" "all" "touching" "nearest" "within"] @keyword.operator

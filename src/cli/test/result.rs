@@ -1,0 +1,69 @@
+//! The result of `hypedc test` as a record, from which JSON and text are made.
+
+use serde::Serialize;
+
+use crate::suite::TestResult;
+use crate::why::{EdgeCoverage, ModeCoverage, PlaceCoverage};
+
+/// The version of the JSON result.
+pub(super) const RESULT_VERSION: u32 = 1;
+
+/// What came of all tests.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub(super) struct SuiteResult {
+    /// The version of this format.
+    pub version: u32,
+    /// The version of the command.
+    pub hypedc: String,
+    /// The seed of searches.
+    pub seed: u64,
+    /// Maximum number of nodes for each claim that is searched.
+    pub nodes: u64,
+    /// Number of tests that passed.
+    pub passed: usize,
+    /// Number of tests that failed.
+    pub failed: usize,
+    /// Number of tests that were not chosen.
+    pub filtered: usize,
+    /// Number of tests that were not run, because the command was stopped.
+    pub not_run: usize,
+    /// The tests, in the order of files and texts.
+    pub tests: Vec<TestResult>,
+    /// What was covered; left out if that is not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<CoverageResult>,
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+/// What the runs of the tests and the ways that they found cover.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub(super) struct CoverageResult {
+    /// Number of runs: those of inputs, and the ways that were found.
+    pub runs: u64,
+    /// Number of steps of all of them.
+    pub steps: u64,
+    /// The modes of the entities that the tested worlds have instances of, in the order of the text.
+    pub modes: Vec<ModeCoverage>,
+    /// The edges of these entities, in the order of the text.
+    pub edges: Vec<EdgeCoverage>,
+}
+
+impl CoverageResult {
+    pub fn new(coverage: &PlaceCoverage) -> Self {
+        CoverageResult {
+            runs: coverage.runs,
+            steps: coverage.steps,
+            modes: coverage.modes().cloned().collect(),
+            edges: coverage.edges().cloned().collect(),
+        }
+    }
+}
+
+/// The schema of the JSON result.
+#[cfg(feature = "testing")]
+pub(in crate::cli) fn json_schema() -> schemars::Schema {
+    schemars::schema_for!(SuiteResult)
+}

@@ -1,0 +1,50 @@
+//! A predicate of a world in a state, part by part; and the state of a run in which it came nearest to holding.
+
+use crate::ir::{Expr, ExprId};
+use crate::sim::Simulator;
+use crate::source::SourceMap;
+
+use super::record::Atom;
+use super::step::{atom_text, atoms_of};
+
+/// The parts of a predicate of a world in a state, with what each compares.
+pub fn predicate_atoms(sim: &Simulator, sources: &SourceMap, state: &[u8], predicate: ExprId) -> Vec<Atom> {
+    let program = sim.program();
+    let atom = |id: ExprId| {
+        let held = sim.world_value(state, id).ok().map(|value| value != 0.0);
+        // That an instance is there is a part that nobody wrote.
+        if matches!(program.exprs[id], Expr::Alive(_)) && held == Some(true) {
+            return None;
+        }
+        Some(Atom { text: atom_text(program, sources, id), held, sides: sides(sim, state, id) })
+    };
+    atoms_of(program, predicate).into_iter().filter_map(atom).collect()
+}
+
+/// How far a state is from a predicate: the number of parts that do not hold, and the sum of the distances of the
+/// comparisons among them. Parts of an `or` count, too: it is a measure, no proof.
+pub fn predicate_distance(sim: &Simulator, state: &[u8], predicate: ExprId) -> (usize, f64) {
+    let (mut missing, mut distance) = (0, 0.0);
+    for id in atoms_of(sim.program(), predicate) {
+        if sim.world_value(state, id).is_ok_and(|value| value != 0.0) {
+            continue;
+        }
+        missing += 1;
+        if let Some([a, b]) = sides(sim, state, id) {
+            distance += (a - b).abs();
+        }
+    }
+    (missing, distance)
+}
+
+/// Both sides of a comparison, or of a negated one.
+fn sides(sim: &Simulator, state: &[u8], id: ExprId) -> Option<[f64; 2]> {
+    let exprs = &sim.program().exprs;
+    let compared = match exprs[id] {
+        Expr::Not(inner) => inner,
+        _ => id,
+    };
+    let Expr::Compare(_, a, b) = exprs[compared] else { return None };
+    let side = |id| sim.world_value(state, id).ok();
+    side(a).zip(side(b)).map(|(a, b)| [a, b])
+}

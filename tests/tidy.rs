@@ -26,7 +26,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("analysis", &["source", "watch", "diagnostic", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis"]),
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
-    ("reach", &["source", "watch", "ir", "analysis", "sim"]),
+    ("reach", &["source", "watch", "parallel", "ir", "analysis", "sim"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir", "sim"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),

@@ -284,6 +284,14 @@ impl<'s> Problem<'s> {
         Ok(self)
     }
 
+    /// The same question from the end of a script alone.
+    ///
+    /// [`BadStart`] if the run ends on the way, or if the watch stops it.
+    pub(super) fn restarted(mut self, script: Script, watch: &dyn Watch) -> Result<Self, BadStart> {
+        self.starts.clear();
+        self.after_watched(script, watch)
+    }
+
     /// The starts of a search; `None` if the watch stops their computation.
     ///
     /// # Errors

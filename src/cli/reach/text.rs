@@ -7,6 +7,7 @@ use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
 use crate::reach::{End, Luck};
 
 use super::files::Saved;
+use super::robust::robust_text;
 use crate::cli::args::ReachArgs;
 
 /// `1 step`, `2 steps`
@@ -152,14 +153,18 @@ pub(super) struct Shown<'s> {
     pub saved: &'s Saved,
     /// The duration of the search, s.
     pub seconds: f64,
+    /// The duration of a step, s.
+    pub step: f64,
     /// Whether the world has several spaces.
     pub has_rooms: bool,
     pub detail: Detail,
+    /// Whether everything is listed.
+    pub lists_all: bool,
 }
 
 /// An answer as text.
 pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
-    let Shown { query, saved, seconds, has_rooms, detail } = *shown;
+    let Shown { query, saved, seconds, step, has_rooms, detail, lists_all } = *shown;
     let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query, has_rooms));
     if detail == Detail::Quiet {
         return out;
@@ -175,6 +180,13 @@ pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
     }
     if let Some(inputs) = answer.inputs.as_ref().filter(|i| !i.is_empty()) {
         out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));
+    }
+    match &answer.robust {
+        Some(robust) => out.push_str(&robust_text(robust, step, has_rooms, lists_all)),
+        None if query.errors.is_some() && answer.inputs.is_some() => {
+            out.push_str("    success not measured: it was stopped before\n");
+        }
+        None => {}
     }
     if let Some(path) = &saved.inputs {
         out.push_str(&format!("    saved   {}\n", path.display()));

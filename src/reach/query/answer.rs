@@ -12,6 +12,7 @@ use super::super::coverage::{Count, PLACE};
 use super::super::outcome::{Argument, Cut, End, Outcome, Verdict};
 use super::super::probability::Luck;
 use super::super::problem::Target;
+use super::robust::RobustRecord;
 use super::wording::{is_bounded, reasons};
 
 /// What kind of thing is asked for.
@@ -232,6 +233,9 @@ pub struct Answer {
     /// and where a seed fixes what is drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub luck: Option<Luck>,
+    /// How robust the path is under timing errors, if that was asked; left out if not, and if there is no path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustRecord>,
 }
 
 impl Answer {
@@ -269,6 +273,7 @@ impl Answer {
             inputs_left_out: false,
             draws_left_out: false,
             luck: None,
+            robust: None,
         }
     }
 

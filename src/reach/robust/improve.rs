@@ -14,19 +14,21 @@ use rand_pcg::Pcg64;
 
 use crate::analysis::ConfigurationSpace;
 use crate::parallel::{self, TaskContext};
-use crate::sim::Control;
 use crate::watch::{Meter, Progress, Watch};
 
 use super::super::coverage::mix;
+use super::super::distance::DistanceField;
 use super::super::outcome::{Plan, Verdict};
 use super::super::problem::Problem;
 use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::super::start_hold::is_held;
+use super::Course;
+use super::crowd::{CrowdSearch, PLAYERS};
+use super::edit::{Cause, edit, follow, pick};
 use super::jitter::Jitter;
 use super::play::{Ending, Nature, Plays};
 use super::timeline::{Change, Timeline};
-use super::Course;
 
 /// Errors of plays in units of the standard deviation, in turn.
 const SCALES: [f64; 4] = [1.0, 1.0, 0.5, 0.25];
@@ -43,11 +45,12 @@ const POOL: usize = 3;
 /// Maximum number of nodes of a search for another plan, and for the rest of one.
 const NODES: (u64, u64) = (20_000, 2_000);
 /// Simulated steps for each node of the budget.
-const STEPS_PER_NODE: u64 = 250;
+const STEPS_PER_NODE: u64 = 100;
+/// The share of the budget for crowds, and the number of searches that it is divided among.
+const CROWD_SHARE: u64 = 2;
+const CROWDS: u64 = 4;
 /// The share of plays that is good enough.
 const ENOUGH: f64 = 0.998;
-/// Pauses that are tried, steps.
-const PAUSES: [u64; 4] = [10, 20, 40, 80];
 /// Salts of seeds.
 const SEARCH: u64 = 0x726f_6275_7374;
 const CHOICE: u64 = 0x6368_6f69_6365;
@@ -152,7 +155,7 @@ impl Improver<'_> {
         }
         pool.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
         pool.truncate(POOL);
-        let share = self.budget / 8;
+        let share = self.budget.saturating_sub(self.spent) / 8;
         for candidate in &mut pool {
             let until = self.spent + share;
             self.climb(candidate, (self.seed, PLAYS.0), until)?;
@@ -217,8 +220,50 @@ impl Improver<'_> {
                 timelines.push(timeline);
             }
         }
+        timelines.extend(self.crowds(first));
         let tried = self.compare(timelines, (self.seed, PLAYS.0), None)?;
         Some(tried.into_iter().flatten().collect())
+    }
+
+    /// Plans with which a crowd of players arrives, but for ever fewer of them.
+    fn crowds(&mut self, first: &Timeline) -> Vec<Timeline> {
+        let distances = DistanceField::new(self.course.problem, self.space, &Meter::new(self.watch));
+        let (mut found, mut allowed) = (Vec::new(), PLAYERS / 8);
+        let whole = self.budget / CROWD_SHARE;
+        let mut left = whole;
+        for number in 0.. {
+            let budget = (whole / CROWDS).min(left);
+            if budget < whole / CROWDS / 8 || budget == 0 || self.watch.stop() {
+                break;
+            }
+            let search = CrowdSearch {
+                course: &self.course,
+                distances: distances.as_ref(),
+                jitter: &self.jitters[0],
+                allowed,
+                seed: mix(self.seed, number),
+                threads: self.settings.threads,
+                budget: (budget, self.limits.memory / 4),
+                watch: self.watch,
+            };
+            let (plan, steps) = search.run(first);
+            left = left.saturating_sub(steps.max(1));
+            self.spent += steps;
+            let nodes = self.spent / STEPS_PER_NODE;
+            self.watch.progress(Progress { nodes, budget: self.limits.nodes, places: 0 });
+            match plan {
+                Some(plan) if allowed == 0 => {
+                    found.push(plan);
+                    break;
+                }
+                Some(plan) => {
+                    found.push(plan);
+                    allowed /= 2;
+                }
+                None => allowed = (allowed * 2).clamp(1, PLAYERS * 3 / 4),
+            }
+        }
+        found
     }
 
     /// Plays some plans; `None` for those that do not reach the target, or are worse than another.
@@ -425,13 +470,6 @@ impl Candidate {
     }
 }
 
-/// What a change has to do with failures.
-struct Cause {
-    weight: f64,
-    /// How late it is in plays that succeed, steps.
-    late: f64,
-}
-
 /// Settings of searches whose trees nobody sees.
 fn quiet(settings: &Settings) -> Settings {
     Settings { records: false, trees: 1, threads: 1, ..*settings }
@@ -442,79 +480,4 @@ fn found(verdict: Verdict) -> Option<Plan> {
         Verdict::Reached(plan) => Some(plan),
         Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
     }
-}
-
-/// A change, those that have to do with failures more often.
-fn pick(causes: &[Cause], rng: &mut Pcg64) -> usize {
-    let all: f64 = causes.iter().map(|cause| cause.weight).sum();
-    let least = 0.3 * all / causes.len() as f64 + f64::MIN_POSITIVE;
-    let mut left = rng.random::<f64>() * (all + least * causes.len() as f64);
-    let place = causes.iter().position(|cause| {
-        left -= cause.weight + least;
-        left < 0.0
-    });
-    place.unwrap_or(causes.len().saturating_sub(1))
-}
-
-/// Moves all changes to where they are in plays that succeed.
-fn follow(plan: &Timeline, causes: &[Cause], gain: f64) -> Timeline {
-    let moved = plan.changes.iter().zip(causes).map(|(change, cause)| {
-        let by = (cause.late * gain).round() as i64;
-        Change { step: change.step.saturating_add_signed(by).max(plan.after), ..*change }
-    });
-    plan.with(moved.collect(), plan.steps)
-}
-
-/// One edit around a change.
-fn edit(plan: &Timeline, at: usize, rng: &mut Pcg64) -> Timeline {
-    let mut changes = plan.changes.clone();
-    let Change { control, step, .. } = changes[at];
-    let next = (at + 1..changes.len()).find(|other| changes[*other].control == control);
-    let by = [1, 1, 2, 3, 5, 8, 13][rng.random_range(0..7)] * if rng.random() { 1 } else { -1 };
-    let moved = |change: &Change, by: i64| change.step.saturating_add_signed(by).max(plan.after);
-    let mut steps = plan.steps;
-    match rng.random_range(0..8) {
-        0 | 1 => changes[at].step = moved(&changes[at], by),
-        2 => {
-            for index in [Some(at), next].into_iter().flatten() {
-                changes[index].step = moved(&changes[index], by);
-            }
-        }
-        3 | 4 => {
-            // All that comes after, too.
-            changes[at..].iter_mut().for_each(|change| change.step = moved(change, by));
-            steps = steps.saturating_add_signed(by);
-        }
-        5 => {
-            // Without it, and without what takes it back.
-            let gone: Vec<usize> = [Some(at), next].into_iter().flatten().collect();
-            changes = changes.into_iter().enumerate().filter(|(i, _)| !gone.contains(i)).map(|(_, c)| c).collect();
-        }
-        6 => {
-            changes.remove(at);
-        }
-        _ => {
-            let pause = PAUSES[rng.random_range(0..PAUSES.len())];
-            pause_at(plan, &mut changes, step, pause);
-            steps += pause;
-        }
-    }
-    plan.with(changes, steps.max(plan.after + 1))
-}
-
-/// Puts in a pause: axes at rest, buttons up, then all as before.
-fn pause_at(plan: &Timeline, changes: &mut Vec<Change>, step: u64, pause: u64) {
-    let mut held: Vec<Change> = plan.held_before(step);
-    held.retain(|change| change.value != 0.0);
-    changes.iter_mut().filter(|change| change.step >= step).for_each(|change| change.step += pause);
-    let key = changes.iter().map(|change| change.key).max().unwrap_or(0);
-    for (change, number) in held.into_iter().zip((1..).step_by(2)) {
-        changes.push(Change { step, value: 0.0, key: key + number, ..change });
-        let is_changed = |c: &Change| c.control == change.control && c.step == step + pause;
-        // What it changes to at the end of the pause counts.
-        if !changes.iter().any(is_changed) {
-            changes.push(Change { step: step + pause, key: key + number + 1, ..change });
-        }
-    }
-    debug_assert!(changes.iter().all(|c| matches!(c.control, Control::Axis(..)) || c.value == 0.0 || c.value == 1.0));
 }

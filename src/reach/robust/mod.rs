@@ -3,9 +3,11 @@
 //! hardest, and searches for plans that are easier.
 //!
 //! A timing error is normally distributed and rounded to steps (`jitter.rs`). `timeline.rs` takes a plan apart into changes
-//! of inputs and moves them, `play.rs` simulates the result, `windows.rs` replays each change with each error of its own,
-//! `improve.rs` searches.
+//! of inputs and moves them, `play.rs` simulates the result, `windows.rs` replays each change with each error of its own.
+//! `improve.rs` searches: `crowd.rs` for plans with which many players arrive at once, `edit.rs` around them.
 
+mod crowd;
+mod edit;
 mod improve;
 mod jitter;
 mod play;

@@ -168,7 +168,7 @@ fn value_before(held: &Input, changes: &[Change], control: Control) -> f64 {
 }
 
 /// The changes from one input of a player to the next.
-fn differences(player: PlayerId, (old, new): (PlayerInput, PlayerInput), step: u64, out: &mut Vec<Change>) {
+pub(super) fn differences(player: PlayerId, (old, new): (PlayerInput, PlayerInput), step: u64, out: &mut Vec<Change>) {
     for (axis, (a, b)) in (0..).zip(old.axes.into_iter().zip(new.axes)) {
         if a != b {
             out.push(Change { control: Control::Axis(player, AxisId(axis)), step, value: b, key: 0 });

@@ -1,13 +1,15 @@
 //! Searches for a plan that many players carry out at once, each with timing errors of its own. A node of the tree is a
-//! crowd: where each of the players is after the inputs so far. A crowd counts as being where all but a few of them are: the
-//! others were lost on the way. Particles in place of a belief over states are those of Melchior and Simmons, *Particle RRT
-//! for Path Planning with Uncertainty*, 2007; nodes are chosen by places and distances as `distance-guided` does.
+//! crowd: where each of the players is after the inputs so far. Who is lost on the way is replaced by a copy of one who is
+//! not, and the share of those who were not is counted: the product over a path is its probability of success, however
+//! small (splitting: Kahn and Harris, *Estimation of Particle Transmission by Random Sampling*, 1951; particles in the nodes
+//! of a tree: Melchior and Simmons, *Particle RRT for Path Planning with Uncertainty*, 2007). Nodes are chosen as
+//! `distance-guided` does, by the distance to the goal and by how often they were chosen, and by that probability.
 //!
 //! A change is planned for the middle of the time in which it can happen: it happens at once at the earliest, which is as
 //! long before the planned time as errors reach.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BTreeMap, BinaryHeap};
 use std::ops::ControlFlow;
 
 use hashbrown::HashMap;
@@ -27,8 +29,10 @@ use super::Course;
 use super::jitter::Jitter;
 use super::timeline::{Change, Timeline, differences};
 
-/// Number of players of a crowd.
-pub(super) const PLAYERS: usize = 16;
+/// Number of players of a crowd. The first one makes no errors: a plan must succeed as it is.
+const PLAYERS: usize = 17;
+/// Minimum number of them who are not lost in an extension.
+const LEAST: usize = 9;
 /// Number of extensions side by side.
 const EXTENSIONS: usize = 8;
 /// Standard deviations to which errors are cut: so long before the planned time a change can happen.
@@ -36,8 +40,21 @@ const EARLY: f64 = 2.5;
 /// The costs of a place: its distance to the goal, and how often it was chosen.
 const DISTANCE: u64 = 4;
 const CHOSEN: u64 = 1;
+/// The cost of a probability of 1/e.
+const LOSS: f64 = 40.0;
+/// Number of cells of which the best is extended, and what a choice before costs, as the logarithm of a probability.
+const DRAWN: usize = 4;
+const TIRED: f64 = 0.02;
+/// By how much a beginning must be better than that of the best plan, as the logarithm of a probability.
+const GAIN: f64 = 0.03;
+/// A player who is so much further from the goal than the middle one is lost, in places.
+const ASTRAY: u32 = 8;
+/// The probability that is good enough.
+const ENOUGH: f64 = 0.98;
 /// Maximum number of crowds that are kept at one place with the same modes.
 const MAX_AT_PLACE: usize = 4;
+/// Maximum number of plans of one search.
+const MAX_FOUND: usize = 4;
 /// In one of so many extensions, any place is chosen.
 const RANDOM_ONE_IN: u32 = 6;
 /// The range of the time for which an input is held, steps.
@@ -73,8 +90,8 @@ struct Node {
     /// Number of changes from the root on.
     all_changes: u32,
     particles: Vec<Particle>,
-    /// Number of players who are further from the goal than the crowd.
-    astray: usize,
+    /// The logarithm of the probability that a player is not lost.
+    survival: f64,
 }
 
 /// A place with the modes of the players there.
@@ -83,6 +100,8 @@ struct Cell {
     nodes: Vec<usize>,
     distance: u32,
     chosen: u32,
+    /// The best of its crowds.
+    survival: f64,
 }
 
 /// What is asked of a search.
@@ -90,8 +109,8 @@ pub(super) struct CrowdSearch<'a> {
     pub course: &'a Course<'a>,
     pub distances: Option<&'a DistanceField>,
     pub jitter: &'a Jitter,
-    /// Number of players who may be lost.
-    pub allowed: usize,
+    /// The time for players who are late at the goal, steps.
+    pub slack: u64,
     pub seed: u64,
     pub threads: usize,
     /// Maximum number of simulated steps, and bytes.
@@ -103,12 +122,14 @@ pub(super) struct CrowdSearch<'a> {
 struct Extension {
     node: usize,
     input: Input,
-    hold: u16,
+    hold: u32,
 }
 
 impl CrowdSearch<'_> {
-    /// A plan with which all players but those allowed reach the target; and the number of simulated steps.
-    pub fn run(&self, like: &Timeline) -> (Option<Timeline>, u64) {
+    /// The plan with which players arrive most probably, and the number of simulated steps. Some known plans are followed
+    /// first.
+    pub fn run(&self, known: &[Timeline]) -> (Vec<Timeline>, u64) {
+        let Some(like) = known.first() else { return (Vec::new(), 0) };
         let problem = self.course.problem;
         let mut controls = ControlSets::complete();
         let (first, state) = self.course.start();
@@ -123,22 +144,78 @@ impl CrowdSearch<'_> {
             changes: Vec::new(),
             all_changes: 0,
             particles: vec![particle; PLAYERS],
-            astray: 0,
+            survival: 0.0,
         };
-        let mut tree = Tree { nodes: Vec::new(), cells: HashMap::new(), queue: BinaryHeap::new(), order: Vec::new() };
+        let mut tree = Tree {
+            nodes: Vec::new(),
+            cells: HashMap::new(),
+            queue: BinaryHeap::new(),
+            order: Vec::new(),
+            bands: BTreeMap::new(),
+            band: 0,
+            least: f64::NEG_INFINITY,
+            best: Followed::default(),
+        };
         let mut rng = Pcg64::seed_from_u64(self.seed);
         tree.add(root, self.place_of(state), self.distance_of(state), &mut rng);
-        let (mut spent, mut bytes) = (0, 0);
+        let (mut spent, mut found) = (0, Vec::new());
         let size = PLAYERS as u64 * (state.len() as u64 + 256);
-        while spent < self.budget.0 && bytes < self.budget.1 && !self.watch.stop() {
-            let chosen: Vec<Extension> =
-                (0..EXTENSIONS).filter_map(|_| tree.choose(&inputs, problem.min_hold(), &mut rng)).collect();
-            if chosen.is_empty() {
+        // Adds what an extension has led to; returns the node, and whether it is worth following the best plan from it.
+        let mut grow = |tree: &mut Tree, grown: Grown, rng: &mut Pcg64| -> Option<usize> {
+            match grown {
+                Grown::Lost => None,
+                Grown::Node(node) => {
+                    let (place, distance) = self.whereabouts(&node)?;
+                    tree.add(node, place, distance, rng)
+                }
+                Grown::Arrived(node) if node.survival > tree.least => {
+                    tree.least = node.survival;
+                    found.push(self.plan(&tree.nodes, &node, like));
+                    tree.best = self.followed(&tree.nodes, &node);
+                    None
+                }
+                Grown::Arrived(_) => None,
+            }
+        };
+        for plan in known {
+            let mut node = 0;
+            for (input, hold) in plan.holds() {
+                let extension = Extension { node, input, hold };
+                let Some(grown) = self.extend(&tree.nodes, &extension, &mut spent) else { break };
+                let Some(next) = grow(&mut tree, grown, &mut rng) else { break };
+                node = next;
+            }
+        }
+        let (mut round, mut idle) = (0_u64, 0);
+        loop {
+            let (most_steps, most_bytes) = self.budget;
+            let used = tree.nodes.len() as u64 * size;
+            if spent >= most_steps || used >= most_bytes || self.watch.stop() || tree.least >= libm::log(ENOUGH) {
                 break;
             }
-            let mut grown: Vec<Option<Node>> = chosen.iter().map(|_| None).collect();
+            // Until there is a plan, most of the time is for getting ahead.
+            let sweeps = tree.least > f64::NEG_INFINITY || round % 4 == 0;
+            round += 1;
+            if sweeps {
+                tree.next_band();
+            }
+            let place = |tree: &mut Tree, rng: &mut Pcg64| if sweeps { tree.swept(rng) } else { tree.cheapest(rng) };
+            let mut chosen = Vec::with_capacity(EXTENSIONS);
+            for _ in 0..EXTENSIONS {
+                let at = place(&mut tree, &mut rng);
+                chosen.extend(at.and_then(|at| tree.choose(at, &inputs, problem.min_hold(), &mut rng)));
+            }
+            if chosen.is_empty() {
+                idle += 1;
+                if idle > tree.bands.len() * 2 + 2 {
+                    break;
+                }
+                continue;
+            }
+            idle = 0;
+            let mut grown: Vec<Option<Grown>> = chosen.iter().map(|_| None).collect();
             let nodes = &tree.nodes;
-            let task = |index: usize, context: &TaskContext<'_, (Option<Node>, u64)>| {
+            let task = |index: usize, context: &TaskContext<'_, (Option<Grown>, u64)>| {
                 let mut steps = 0;
                 let node = self.extend(nodes, &chosen[index], &mut steps);
                 context.submit((node, steps));
@@ -152,21 +229,26 @@ impl CrowdSearch<'_> {
             if self.watch.stop() {
                 break;
             }
-            for node in grown.into_iter().flatten() {
-                bytes += size;
-                let won = node.particles.iter().filter(|particle| particle.status == Status::Won).count();
-                if won + self.allowed >= PLAYERS {
-                    return (Some(self.plan(&tree.nodes, &node, like)), spent);
+            for grown in grown.into_iter().flatten() {
+                let Some(mut node) = grow(&mut tree, grown, &mut rng) else { continue };
+                // A better beginning with the rest of the best plan.
+                let rest = tree.better_than_best(node, |state| self.place_of(state));
+                for (input, hold) in rest {
+                    let extension = Extension { node, input, hold };
+                    let Some(grown) = self.extend(&tree.nodes, &extension, &mut spent) else { break };
+                    let Some(next) = grow(&mut tree, grown, &mut rng) else { break };
+                    node = next;
                 }
-                let Some((place, distance)) = self.whereabouts(&node) else { continue };
-                tree.add(node, place, distance, &mut rng);
             }
         }
-        (None, spent)
+        eprintln!("DBG nearest {:?}", tree.cells.values().map(|c| (c.distance, (c.survival*100.0) as i64)).min());
+        eprintln!("DBG crowd nodes {} cells {} least {} found {}", tree.nodes.len(), tree.order.len(), libm::exp(tree.least), found.len());
+        // The last ones are the best.
+        (found.split_off(found.len().saturating_sub(MAX_FOUND)), spent)
     }
 
-    /// Extends a crowd; `None` if too many are lost.
-    fn extend(&self, nodes: &[Node], extension: &Extension, steps: &mut u64) -> Option<Node> {
+    /// Extends a crowd; `None` if the watch stops it.
+    fn extend(&self, nodes: &[Node], extension: &Extension, steps: &mut u64) -> Option<Grown> {
         let from = &nodes[extension.node];
         let problem = self.course.problem;
         let mut changes = Vec::new();
@@ -176,46 +258,76 @@ impl CrowdSearch<'_> {
         let early = self.early();
         let (mut scratch, meter) = (problem.sim.scratch(), Meter::new(self.watch));
         let mut particles = Vec::with_capacity(PLAYERS);
-        let mut lost = 0;
+        let (mut lost, mut won) = (0, 0);
         for (index, particle) in (0_u64..).zip(&from.particles) {
             let mut particle = particle.clone();
             for (number, change) in (u64::from(from.all_changes)..).zip(&changes) {
-                let error = i64::from(self.jitter.draw(self.seed, index, number)).clamp(-early, early);
+                let drawn = i64::from(self.jitter.draw(self.seed, index, number)).clamp(-early, early);
+                let error = if index == 0 { 0 } else { drawn };
                 let time = from.step.saturating_add_signed(early + error);
                 let last = particle.pending.iter().rev().find(|(_, other)| other.control == change.control);
                 particle.pending.push((last.map_or(time, |(last, _)| time.max(last + 1)), *change));
             }
-            if particle.status == Status::Plays {
-                self.play(&mut particle, (from.step, extension.hold, index), steps, (&mut scratch, &meter))?;
-            }
+            self.play(&mut particle, (from.step, u64::from(extension.hold), index), steps, (&mut scratch, &meter))?;
             lost += usize::from(particle.status == Status::Lost);
-            if lost > self.allowed {
-                return None;
+            won += usize::from(particle.status == Status::Won);
+            if lost > PLAYERS - LEAST || index == 0 && lost > 0 {
+                return Some(Grown::Lost);
             }
             particles.push(particle);
         }
-        Some(Node {
+        let step = from.step + u64::from(extension.hold);
+        if won > 0 {
+            // The others hold on.
+            for (index, particle) in (0_u64..).zip(&mut particles).filter(|(_, p)| p.status == Status::Plays) {
+                self.play(particle, (step, self.slack, index), steps, (&mut scratch, &meter))?;
+                won += usize::from(particle.status == Status::Won);
+            }
+        } else if self.distances.is_some() {
+            let mut all: Vec<u32> = particles.iter().map(|particle| self.distance(particle)).collect();
+            all.sort_unstable();
+            let most = all.get(PLAYERS / 2).map_or(u32::MAX, |middle| middle.saturating_add(ASTRAY));
+            for particle in particles.iter_mut().filter(|particle| self.distance(particle) > most) {
+                particle.status = Status::Lost;
+            }
+        }
+        let kept = match won {
+            0 => particles.iter().filter(|particle| particle.status == Status::Plays).count(),
+            won => won,
+        };
+        let is_lost = |status: Status| status == Status::Lost || won > 0 && status == Status::Plays;
+        if kept < LEAST || particles.first().is_none_or(|exact| is_lost(exact.status)) {
+            return Some(Grown::Lost);
+        }
+        if won == 0 {
+            // Copies have errors of their own from now on.
+            let remaining: Vec<Particle> = particles.iter().filter(|p| p.status == Status::Plays).cloned().collect();
+            let lost = particles.iter_mut().filter(|particle| particle.status == Status::Lost);
+            lost.zip(remaining.iter().cycle()).for_each(|(lost, other)| lost.clone_from(other));
+        }
+        let node = Node {
             parent: extension.node,
-            step: from.step + u64::from(extension.hold),
+            step,
             input: extension.input.clone(),
             all_changes: from.all_changes + changes.len() as u32,
             changes,
             particles,
-            astray: lost,
-        })
+            survival: from.survival + libm::log((kept - 1) as f64 / (PLAYERS - 1) as f64),
+        };
+        Some(if won > 0 { Grown::Arrived(node) } else { Grown::Node(node) })
     }
 
     /// Lets a player play; `None` if the watch stops it.
     fn play(
         &self,
         particle: &mut Particle,
-        (first, hold, index): (u64, u16, u64),
+        (first, hold, index): (u64, u64, u64),
         steps: &mut u64,
         (scratch, meter): (&mut Scratch, &Meter<'_>),
     ) -> Option<()> {
         let problem: &Problem<'_> = self.course.problem;
         let most = problem.time().map_or(u64::MAX, |most| self.course.start().0 + u64::from(most));
-        for step in first..first + u64::from(hold) {
+        for step in first..first + hold {
             let input = &mut particle.input;
             particle.pending.retain(|(time, change)| {
                 let is_due = *time <= step;
@@ -224,18 +336,14 @@ impl CrowdSearch<'_> {
                 }
                 !is_due
             });
-            let stepped = match problem.is_foretold() {
-                _ if problem.sim.draws().is_empty() => {
-                    problem.sim.metered_step(&mut particle.state, &particle.input, scratch, meter)
-                }
-                true => {
-                    let drawn = problem.draw(step + 1, &particle.input);
-                    problem.sim.metered_step(&mut particle.state, &drawn, scratch, meter)
-                }
-                false => {
-                    let drawn = problem.sim.draw(mix(self.seed, index), step + 1, &particle.input);
-                    problem.sim.metered_step(&mut particle.state, &drawn, scratch, meter)
-                }
+            let stepped = if problem.sim.draws().is_empty() {
+                problem.sim.metered_step(&mut particle.state, &particle.input, scratch, meter)
+            } else {
+                let drawn = match problem.is_foretold() {
+                    true => problem.draw(step + 1, &particle.input),
+                    false => problem.sim.draw(mix(self.seed, index), step + 1, &particle.input),
+                };
+                problem.sim.metered_step(&mut particle.state, &drawn, scratch, meter)
             };
             *steps += 1;
             if meter.is_stopped() {
@@ -258,14 +366,31 @@ impl CrowdSearch<'_> {
         (EARLY * self.jitter.sigma()).ceil() as i64
     }
 
-    /// The place of a crowd and its distance: those of the last of its players but for those who may be lost.
+    /// The place of a crowd and its distance: those of the player who makes no errors.
     fn whereabouts(&self, node: &Node) -> Option<(u64, u32)> {
-        let mut all: Vec<(u32, usize)> = node.particles.iter().map(|p| self.distance(p)).zip(0..).collect();
-        all.sort_unstable();
-        // Without distances, those who are lost are the furthest.
-        let &(distance, index) = all.get(PLAYERS - 1 - self.allowed)?;
-        let particle = node.particles.get(index).filter(|particle| particle.status == Status::Plays)?;
-        Some((self.place_of(&particle.state), distance))
+        let exact = node.particles.first()?;
+        Some((self.place_of(&exact.state), self.distance(exact)))
+    }
+
+    /// A plan as it can be followed from the places on its way.
+    fn followed(&self, nodes: &[Node], last: &Node) -> Followed {
+        let mut rest = Vec::new();
+        let mut best = Followed::default();
+        let (mut node, mut at) = (last, usize::MAX);
+        loop {
+            if at != usize::MAX
+                && let Some((place, _)) = self.whereabouts(node)
+            {
+                let whole: Vec<(Input, u32)> = rest.iter().rev().cloned().collect();
+                best.from.entry(place).or_insert((node.survival, whole));
+            }
+            if at == 0 {
+                return best;
+            }
+            let from = &nodes[node.parent];
+            rest.push((node.input.clone(), (node.step - from.step) as u32));
+            (at, node) = (node.parent, from);
+        }
     }
 
     fn distance(&self, particle: &Particle) -> u32 {
@@ -320,6 +445,15 @@ impl CrowdSearch<'_> {
     }
 }
 
+/// What an extension leads to.
+enum Grown {
+    /// Too many are lost.
+    Lost,
+    Node(Node),
+    /// Those who are not lost reach the target.
+    Arrived(Node),
+}
+
 struct Tree {
     nodes: Vec<Node>,
     cells: HashMap<u64, Cell>,
@@ -327,24 +461,44 @@ struct Tree {
     queue: BinaryHeap<Reverse<(u64, u32, u64)>>,
     /// All cells in the order in which they were found.
     order: Vec<u64>,
+    /// The cells by distance, and the distance that is swept.
+    bands: BTreeMap<u32, Vec<u64>>,
+    band: u32,
+    /// The logarithm of the best probability so far: less is not extended.
+    least: f64,
+    best: Followed,
+}
+
+/// The best plan: for each place on its way, the logarithm of the probability of getting there, and the inputs from there.
+#[derive(Default)]
+struct Followed {
+    from: HashMap<u64, (f64, Vec<(Input, u32)>)>,
 }
 
 impl Tree {
-    fn add(&mut self, node: Node, place: u64, distance: u32, rng: &mut Pcg64) {
+    /// Adds a crowd, unless others at its place are better.
+    fn add(&mut self, node: Node, place: u64, distance: u32, rng: &mut Pcg64) -> Option<usize> {
+        if node.survival <= self.least {
+            return None;
+        }
         let id = self.nodes.len();
-        let order = &mut self.order;
+        let (order, bands) = (&mut self.order, &mut self.bands);
         let cell = self.cells.entry(place).or_insert_with(|| {
             order.push(place);
-            Cell { distance, ..Cell::default() }
+            bands.entry(distance).or_default().push(place);
+            Cell { distance, survival: f64::NEG_INFINITY, ..Cell::default() }
         });
         cell.distance = cell.distance.min(distance);
+        cell.survival = cell.survival.max(node.survival);
         let nodes = &self.nodes;
-        let rank = |node: &Node| (node.astray, node.all_changes, node.step);
+        let better = |a: &Node, b: &Node| {
+            a.survival.total_cmp(&b.survival).reverse().then((a.all_changes, a.step).cmp(&(b.all_changes, b.step)))
+        };
         if cell.nodes.len() >= MAX_AT_PLACE {
             // The worst gives way, if it is worse.
-            let Some(worst) = (0..cell.nodes.len()).max_by_key(|at| rank(&nodes[cell.nodes[*at]])) else { return };
-            if rank(&nodes[cell.nodes[worst]]) <= rank(&node) {
-                return;
+            let worst = (0..cell.nodes.len()).max_by(|a, b| better(&nodes[cell.nodes[*a]], &nodes[cell.nodes[*b]]))?;
+            if better(&nodes[cell.nodes[worst]], &node).is_le() {
+                return None;
             }
             cell.nodes[worst] = id;
         } else {
@@ -353,24 +507,57 @@ impl Tree {
         let cost = cell.cost();
         self.nodes.push(node);
         self.queue.push(Reverse((cost, rng.random(), place)));
+        Some(id)
     }
 
-    /// The next extension.
-    fn choose(&mut self, inputs: &[Input], min_hold: u16, rng: &mut Pcg64) -> Option<Extension> {
-        let place = if rng.random_ratio(1, RANDOM_ONE_IN) {
-            self.order[rng.random_range(0..self.order.len())]
-        } else {
-            loop {
-                let Reverse((cost, _, place)) = self.queue.pop()?;
-                if self.cells.get(&place).is_some_and(|cell| cell.cost() == cost) {
-                    break place;
-                }
-            }
+    /// The inputs of the best plan from a node's place on, if the node is better than that plan is there.
+    fn better_than_best(&self, node: usize, place_of: impl Fn(&[u8]) -> u64) -> Vec<(Input, u32)> {
+        let node = &self.nodes[node];
+        // The one without errors is as good as any.
+        let place = node.particles.first().map(|particle| place_of(&particle.state));
+        let known = place.and_then(|place| self.best.from.get(&place));
+        known.filter(|(survival, _)| node.survival > survival + GAIN).map_or(Vec::new(), |(_, rest)| rest.clone())
+    }
+
+    /// Goes on to the next distance, from far to near, and then again.
+    fn next_band(&mut self) {
+        let nearer = self.bands.range(..self.band).next_back();
+        let next = nearer.or_else(|| self.bands.iter().next_back());
+        self.band = next.map_or(0, |(band, _)| *band);
+    }
+
+    /// A cell at the distance that is swept: of some, the best.
+    fn swept(&self, rng: &mut Pcg64) -> Option<u64> {
+        let places = self.bands.get(&self.band).filter(|places| !places.is_empty())?;
+        let score = |place: &u64| {
+            self.cells.get(place).map_or(f64::NEG_INFINITY, |cell| cell.survival - f64::from(cell.chosen) * TIRED)
         };
+        let drawn = (0..DRAWN).map(|_| places[rng.random_range(0..places.len())]);
+        let best = drawn.reduce(|a, b| if score(&b) > score(&a) { b } else { a })?;
+        self.cells.get(&best).is_some_and(|cell| cell.survival > self.least).then_some(best)
+    }
+
+    /// The cell with the lowest cost.
+    fn cheapest(&mut self, rng: &mut Pcg64) -> Option<u64> {
+        if rng.random_ratio(1, RANDOM_ONE_IN) {
+            return Some(self.order[rng.random_range(0..self.order.len())]);
+        }
+        loop {
+            let Reverse((cost, _, place)) = self.queue.pop()?;
+            let is_open = |cell: &Cell| cell.cost() == cost && cell.survival > self.least;
+            if self.cells.get(&place).is_some_and(is_open) {
+                return Some(place);
+            }
+        }
+    }
+
+    /// The next extension from a cell.
+    fn choose(&mut self, place: u64, inputs: &[Input], min_hold: u16, rng: &mut Pcg64) -> Option<Extension> {
         let cell = self.cells.get_mut(&place)?;
         cell.chosen += 1;
         self.queue.push(Reverse((cell.cost(), rng.random(), place)));
-        let node = cell.nodes[rng.random_range(0..cell.nodes.len())];
+        let drawn = [0, 1].map(|_| cell.nodes[rng.random_range(0..cell.nodes.len())]);
+        let node = drawn.into_iter().reduce(|a, b| if self.nodes[b].survival > self.nodes[a].survival { b } else { a })?;
         // Few changes are easier than many: of some inputs, the one that is most like the last.
         let last = &self.nodes[node].input;
         let tries = if rng.random() { 3 } else { 1 };
@@ -380,13 +567,13 @@ impl Tree {
         let octaves = u32::from(HOLD.1 / HOLD.0).ilog2();
         let octave = rng.random_range(0..octaves);
         let hold = rng.random_range(HOLD.0 << octave..=HOLD.0 << (octave + 1));
-        Some(Extension { node, input, hold: hold.max(min_hold) })
+        Some(Extension { node, input, hold: u32::from(hold.max(min_hold)) })
     }
 }
 
 impl Cell {
     fn cost(&self) -> u64 {
-        u64::from(self.distance) * DISTANCE + u64::from(self.chosen) * CHOSEN
+        u64::from(self.distance) * DISTANCE + u64::from(self.chosen) * CHOSEN + (-self.survival * dbg_env("LOSS", LOSS)) as u64
     }
 }
 
@@ -400,4 +587,8 @@ fn distance(old: &Input, new: &Input) -> u32 {
         0 => 2,
         count => count,
     }
+}
+
+fn dbg_env(name: &str, or: f64) -> f64 {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or)
 }

@@ -24,7 +24,7 @@ use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::super::start_hold::is_held;
 use super::Course;
-use super::crowd::{CrowdSearch, PLAYERS};
+use super::crowd::CrowdSearch;
 use super::edit::{Cause, edit, follow, pick};
 use super::jitter::Jitter;
 use super::play::{Ending, Nature, Plays};
@@ -46,9 +46,9 @@ const POOL: usize = 3;
 const NODES: (u64, u64) = (20_000, 2_000);
 /// Simulated steps for each node of the budget.
 const STEPS_PER_NODE: u64 = 100;
-/// The share of the budget for crowds, and the number of searches that it is divided among.
-const CROWD_SHARE: u64 = 2;
-const CROWDS: u64 = 4;
+/// The tenths of the budget that are for crowds, and the number of searches among which they are divided.
+const CROWD_SHARE: u64 = 7;
+const CROWDS: u64 = 1;
 /// The share of plays that is good enough.
 const ENOUGH: f64 = 0.998;
 /// Salts of seeds.
@@ -153,6 +153,7 @@ impl Improver<'_> {
         if pool.len() == 1 && pool.first().is_some_and(|only| only.timeline.changes.is_empty()) {
             return None;
         }
+        for c in &pool { eprintln!("DBG cand wins {} changes {} steps {}", c.wins.count, c.timeline.changes.len(), c.timeline.steps); }
         pool.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
         pool.truncate(POOL);
         let share = self.budget.saturating_sub(self.spent) / 8;
@@ -169,6 +170,7 @@ impl Improver<'_> {
             let Some(Ok(wins)) = self.wins(&best.timeline, seed, plays, None, &mut spent) else { break };
             self.spent += spent;
             best.wins = wins;
+            eprintln!("DBG plays {plays} wins {} spent {}", best.wins.count, self.spent);
             self.climb(&mut best, (seed, plays), self.budget);
             if plays >= PLAYS.1 {
                 break;
@@ -220,48 +222,32 @@ impl Improver<'_> {
                 timelines.push(timeline);
             }
         }
-        timelines.extend(self.crowds(first));
+        let crowds = self.crowds(&timelines);
+        timelines.extend(crowds);
         let tried = self.compare(timelines, (self.seed, PLAYS.0), None)?;
         Some(tried.into_iter().flatten().collect())
     }
 
-    /// Plans with which a crowd of players arrives, but for ever fewer of them.
-    fn crowds(&mut self, first: &Timeline) -> Vec<Timeline> {
+    /// Plans with which a crowd of players arrives.
+    fn crowds(&mut self, known: &[Timeline]) -> Vec<Timeline> {
         let distances = DistanceField::new(self.course.problem, self.space, &Meter::new(self.watch));
-        let (mut found, mut allowed) = (Vec::new(), PLAYERS / 8);
-        let whole = self.budget / CROWD_SHARE;
-        let mut left = whole;
-        for number in 0.. {
-            let budget = (whole / CROWDS).min(left);
-            if budget < whole / CROWDS / 8 || budget == 0 || self.watch.stop() {
-                break;
-            }
+        let mut found = Vec::new();
+        for number in 0..CROWDS {
             let search = CrowdSearch {
                 course: &self.course,
                 distances: distances.as_ref(),
                 jitter: &self.jitters[0],
-                allowed,
+                slack: self.course.slack,
                 seed: mix(self.seed, number),
                 threads: self.settings.threads,
-                budget: (budget, self.limits.memory / 4),
+                budget: (self.budget / 10 * CROWD_SHARE / CROWDS, self.limits.memory / 4),
                 watch: self.watch,
             };
-            let (plan, steps) = search.run(first);
-            left = left.saturating_sub(steps.max(1));
+            let (plans, steps) = search.run(known);
+            found.extend(plans);
             self.spent += steps;
             let nodes = self.spent / STEPS_PER_NODE;
             self.watch.progress(Progress { nodes, budget: self.limits.nodes, places: 0 });
-            match plan {
-                Some(plan) if allowed == 0 => {
-                    found.push(plan);
-                    break;
-                }
-                Some(plan) => {
-                    found.push(plan);
-                    allowed /= 2;
-                }
-                None => allowed = (allowed * 2).clamp(1, PLAYERS * 3 / 4),
-            }
         }
         found
     }

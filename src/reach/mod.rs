@@ -40,6 +40,7 @@ mod problem;
 mod proof;
 pub mod query;
 mod region;
+mod restriction;
 pub mod robust;
 mod sampler;
 mod search;

@@ -9,6 +9,7 @@ use crate::watch::{Meter, Unwatched, Watch};
 
 use super::explore::Observer;
 use super::monitor::Monitor;
+use super::restriction::Restriction;
 
 /// The target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +100,8 @@ pub struct Problem<'s> {
     within: Option<u32>,
     /// Minimum number of steps for which each input is held.
     min_hold: u16,
+    /// The inputs that a search may use; a search that may not use all proves nothing.
+    restriction: Option<Restriction>,
     /// What nature draws where a script leaves it open.
     seed: u64,
     /// Whether the search leaves it open, too.
@@ -133,6 +136,7 @@ impl<'s> Problem<'s> {
             asked: Vec::new(),
             within: None,
             min_hold: 1,
+            restriction: None,
             seed: 0,
             is_foretold: false,
             starts: Vec::new(),
@@ -227,6 +231,18 @@ impl<'s> Problem<'s> {
     pub fn holding(mut self, steps: u16) -> Self {
         self.min_hold = steps.max(1);
         self
+    }
+
+    /// Admits only some inputs, to find a path among them: that there is none proves nothing.
+    #[must_use]
+    pub(super) fn restricted(mut self, restriction: Restriction) -> Self {
+        self.restriction = Some(restriction);
+        self
+    }
+
+    /// The inputs that a search may use.
+    pub(super) fn restriction(&self) -> Option<&Restriction> {
+        self.restriction.as_ref()
     }
 
     /// Fixes what nature draws to the sequence of a seed. Otherwise a search is free to choose it.

@@ -254,7 +254,12 @@ impl<'a> Builder<'_, 'a> {
                     Restart::After(nodes) => Some(nodes),
                     Restart::Never => None,
                 };
-                let controls = ControlSets::default().with_draws(self.problem);
+                // What is never pressed and never released takes few changes, also where no mode reads it.
+                let controls = match self.problem.restriction() {
+                    Some(_) => ControlSets::complete(),
+                    None => ControlSets::default(),
+                };
+                let controls = controls.with_draws(self.problem);
                 let context = self.context(tree, controls, hold);
                 let goal_bias = samples.then_some(self.settings.goal_bias);
                 Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))

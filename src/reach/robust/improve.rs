@@ -1,6 +1,7 @@
-//! Searches for a plan that is easier for a person. Candidates are the plan that was found, a simpler one, and plans of
-//! other seeds and longer holds; the best are edited: changes are moved to where they succeed, pauses are put in, changes
-//! removed, the rest of a plan searched again. Edits are compared on the same errors, so that few plays tell them apart.
+//! Searches for a plan that is easier for a person. Candidates are the plan that was found, simpler ones, and plans of other
+//! searches: with longer holds, and with fewer inputs, such as one in which a button is never released. The best are
+//! edited: changes are moved to where they succeed, pauses are put in, changes removed, the rest of a plan searched again.
+//! Edits are compared on the same errors, so that few plays tell them apart.
 //!
 //! Of long plans hardly any play succeeds, and then no edit seems to help. So a part of the plays has smaller errors (as
 //! in annealing): they succeed first, and lead to plans with which the others do, too. The move of all changes at once by
@@ -17,14 +18,13 @@ use crate::parallel::{self, TaskContext};
 use crate::watch::{Meter, Progress, Watch};
 
 use super::super::coverage::mix;
-use super::super::distance::DistanceField;
 use super::super::outcome::{Plan, Verdict};
 use super::super::problem::Problem;
+use super::super::restriction::Restriction;
 use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::super::start_hold::is_held;
 use super::Course;
-use super::crowd::CrowdSearch;
 use super::edit::{Cause, edit, follow, pick};
 use super::jitter::Jitter;
 use super::play::{Ending, Nature, Plays};
@@ -38,17 +38,18 @@ const PLAYS: (u64, u64) = (256, 2048);
 const EDITS: usize = 8;
 /// Number of rounds without a better plan after which more plays are needed to find one.
 const PATIENCE: u32 = 8;
-/// Minimum holds of the plans that are searched beside the first, steps.
-const HOLDS: [u16; 8] = [1, 6, 10, 15, 20, 1, 10, 30];
+/// Number of searches for other plans, and minimum holds of the plans, steps, in turn.
+const SEARCHES: usize = 32;
+const HOLDS: [u16; 5] = [10, 20, 15, 6, 30];
+/// Number of plays by which other plans are compared at first, and number of those that are compared further.
+const FIRST_PLAYS: u64 = 64;
+const FINALISTS: usize = 8;
 /// Number of plans that are edited in turn at first.
 const POOL: usize = 3;
 /// Maximum number of nodes of a search for another plan, and for the rest of one.
 const NODES: (u64, u64) = (20_000, 2_000);
 /// Simulated steps for each node of the budget.
 const STEPS_PER_NODE: u64 = 100;
-/// The tenths of the budget that are for crowds, and the number of searches among which they are divided.
-const CROWD_SHARE: u64 = 7;
-const CROWDS: u64 = 1;
 /// The share of plays that is good enough.
 const ENOUGH: f64 = 0.998;
 /// Salts of seeds.
@@ -170,7 +171,6 @@ impl Improver<'_> {
             let Some(Ok(wins)) = self.wins(&best.timeline, seed, plays, None, &mut spent) else { break };
             self.spent += spent;
             best.wins = wins;
-            eprintln!("DBG plays {plays} wins {} spent {}", best.wins.count, self.spent);
             self.climb(&mut best, (seed, plays), self.budget);
             if plays >= PLAYS.1 {
                 break;
@@ -189,9 +189,15 @@ impl Improver<'_> {
             let (found, mut steps) = match index {
                 0 => (Some(plan.clone()), 0),
                 _ => {
-                    let hold = HOLDS[index - 1].max(problem.min_hold());
+                    let hold = HOLDS[index % HOLDS.len()].max(problem.min_hold());
                     let settings = Settings { seed: mix(settings.seed, index as u64), ..quiet(settings) };
                     let problem = problem.clone().holding(hold);
+                    // With few inputs there are few changes.
+                    let restriction = match index % 4 {
+                        0 => Restriction::none(problem.sim),
+                        _ => Restriction::drawn(problem.sim, mix(settings.seed, index as u64)),
+                    };
+                    let problem = problem.restricted(restriction);
                     match search(&problem, space, &settings, &limits, watch) {
                         Ok(outcome) => (found(outcome.verdict), outcome.statistics.steps),
                         Err(_) => (None, 0),
@@ -206,7 +212,7 @@ impl Improver<'_> {
             }
             context.submit((plans, steps));
         };
-        let mut all: Vec<Vec<Plan>> = vec![Vec::new(); HOLDS.len() + 1];
+        let mut all: Vec<Vec<Plan>> = vec![Vec::new(); SEARCHES + 1];
         let stop = || watch.stop();
         let mut spent = 0;
         parallel::work(all.len(), settings.threads, &stop, &task, &mut |index, (plans, steps)| {
@@ -222,34 +228,13 @@ impl Improver<'_> {
                 timelines.push(timeline);
             }
         }
-        let crowds = self.crowds(&timelines);
-        timelines.extend(crowds);
-        let tried = self.compare(timelines, (self.seed, PLAYS.0), None)?;
-        Some(tried.into_iter().flatten().collect())
-    }
-
-    /// Plans with which a crowd of players arrives.
-    fn crowds(&mut self, known: &[Timeline]) -> Vec<Timeline> {
-        let distances = DistanceField::new(self.course.problem, self.space, &Meter::new(self.watch));
-        let mut found = Vec::new();
-        for number in 0..CROWDS {
-            let search = CrowdSearch {
-                course: &self.course,
-                distances: distances.as_ref(),
-                jitter: &self.jitters[0],
-                slack: self.course.slack,
-                seed: mix(self.seed, number),
-                threads: self.settings.threads,
-                budget: (self.budget / 10 * CROWD_SHARE / CROWDS, self.limits.memory / 4),
-                watch: self.watch,
-            };
-            let (plans, steps) = search.run(known);
-            found.extend(plans);
-            self.spent += steps;
-            let nodes = self.spent / STEPS_PER_NODE;
-            self.watch.progress(Progress { nodes, budget: self.limits.nodes, places: 0 });
-        }
-        found
+        let rank = |c: &Candidate| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps);
+        let mut tried: Vec<Candidate> =
+            self.compare(timelines, (self.seed, FIRST_PLAYS), None)?.into_iter().flatten().collect();
+        tried.sort_by_key(rank);
+        tried.truncate(FINALISTS);
+        let finalists = tried.into_iter().map(|candidate| candidate.timeline).collect();
+        Some(self.compare(finalists, (self.seed, PLAYS.0), None)?.into_iter().flatten().collect())
     }
 
     /// Plays some plans; `None` for those that do not reach the target, or are worse than another.

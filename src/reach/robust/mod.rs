@@ -4,9 +4,8 @@
 //!
 //! A timing error is normally distributed and rounded to steps (`jitter.rs`). `timeline.rs` takes a plan apart into changes
 //! of inputs and moves them, `play.rs` simulates the result, `windows.rs` replays each change with each error of its own.
-//! `improve.rs` searches: `crowd.rs` for plans with which many players arrive at once, `edit.rs` around them.
+//! `improve.rs` searches for easier plans, `edit.rs` has its edits.
 
-mod crowd;
 mod edit;
 mod improve;
 mod jitter;

@@ -34,6 +34,7 @@
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
 //! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
+//! | [`diff`] | two programs compared: what changed, how players move, which answers differ |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
@@ -49,6 +50,8 @@ pub mod compile;
 #[cfg(feature = "cli")]
 pub mod corpus;
 pub mod diagnostic;
+#[cfg(feature = "cli")]
+pub mod diff;
 pub mod experiment;
 pub mod format;
 pub mod graph;

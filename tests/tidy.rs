@@ -32,6 +32,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),
     ("corpus", &["tabular", "json", "reach"]),
     ("why", &["source", "ir", "sim"]),
+    ("diff", &["source", "watch", "diagnostic", "syntax", "ir", "analysis", "sim", "reach", "why"]),
     (
         "studio",
         &[
@@ -58,6 +59,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "tabular",
             "json",
             "corpus",
+            "diff",
             "analysis",
             "watch",
             "diagnostic",

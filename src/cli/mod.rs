@@ -10,6 +10,7 @@ mod args;
 mod bounds;
 mod check;
 mod corpus;
+mod diff;
 mod disk;
 mod experiment;
 mod explain;
@@ -83,6 +84,7 @@ pub fn main() -> ExitCode {
         Command::Reach(args) => reach::run(&args),
         Command::Why(args) => why::run(&args),
         Command::Stuck(args) => stuck::run(&args),
+        Command::Diff(args) => diff::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

@@ -21,6 +21,7 @@ pub(in crate::cli) use set::SetArgs;
 pub(in crate::cli) use why::WhyArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
+use crate::cli::diff::args::DiffArgs;
 use crate::cli::experiment::args::ExperimentArgs;
 use crate::cli::stuck::args::StuckArgs;
 use crate::cli::time::{Hold, Time};
@@ -54,6 +55,8 @@ pub(in crate::cli) enum Command {
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.
     Stuck(StuckArgs),
+    /// Compares two programs: what changed, how players move, which answers differ.
+    Diff(DiffArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

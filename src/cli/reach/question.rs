@@ -23,7 +23,7 @@ const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
 /// The source of predicates of `--never`.
-const NEVER: &str = "--never";
+pub(in crate::cli) const NEVER: &str = "--never";
 
 /// What the arguments add to the program and change in it.
 pub(in crate::cli) struct ReachChanges<'a> {
@@ -220,7 +220,7 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
 }
 
 /// The `never`s that the arguments add as questions: they are no rules of the world.
-fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
+pub(in crate::cli) fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
     let is_added = |span: Span| loaded.sources.holds(span) && loaded.sources.file(span.file()).path == Path::new(NEVER);
     let nevers = loaded.program.spans.worlds[world].nevers.pairs();
     nevers.filter(|(_, span)| is_added(**span)).map(|(id, _)| id).collect()

@@ -154,7 +154,6 @@ impl Improver<'_> {
         if pool.len() == 1 && pool.first().is_some_and(|only| only.timeline.changes.is_empty()) {
             return None;
         }
-        for c in &pool { eprintln!("DBG cand wins {} changes {} steps {}", c.wins.count, c.timeline.changes.len(), c.timeline.steps); }
         pool.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
         pool.truncate(POOL);
         let share = self.budget.saturating_sub(self.spent) / 8;

@@ -133,23 +133,6 @@ impl Timeline {
         last
     }
 
-    /// The inputs of the plan, each with the number of steps for which it is held.
-    pub fn holds(&self) -> Vec<(Input, u32)> {
-        let mut holds = Vec::new();
-        let (mut now, mut step) = (self.held.clone(), self.after);
-        for change in &self.changes {
-            if change.step > step {
-                holds.push((now.clone(), (change.step - step) as u32));
-                step = change.step;
-            }
-            now.set(change.control, change.value);
-        }
-        if self.steps > step {
-            holds.push((now, (self.steps - step) as u32));
-        }
-        holds
-    }
-
     /// What nature draws in a step, if the plan fixes it.
     pub fn drawn(&self, step: u64) -> Option<&Draws> {
         self.nature.get(usize::try_from(step.checked_sub(self.after)?).ok()?)

@@ -24,7 +24,10 @@ use crate::syntax::occurrence::{Occurrence, Occurrences};
 
 pub use crate::sema::checked::When;
 pub use crate::syntax::ast::SearchKind;
-pub use changes::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, is_name, question_name};
+pub use changes::{
+    Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, WrittenNumber, is_name, question_name,
+    written_number,
+};
 
 pub use tests::{TestCase, TestClaim, TestClaimKind, TestSearch};
 

@@ -28,12 +28,13 @@
 //! | [`analysis`] | abstract interpretation of the flat tables: the reachable values, and findings from them |
 //! | [`sim`] | one step of time, input scripts, traces |
 //! | [`compile`] | the driver of the stages above |
+//! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`reach`] | reachability queries: proofs, planners over the simulator, replay |
 //! | [`graph`] | statecharts of entities as DOT, Mermaid and SVG |
 //! | [`view`] | pictures of searches |
 //! | [`experiment`] | experiments: planners run many times, and tables of the results |
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
-//! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
+//! | [`tune`] | the smallest change of a number that turns an answer |
 //! | [`suite`] | tests of worlds: runs, questions, coverage |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
@@ -71,6 +72,8 @@ pub mod studio;
 pub mod suite;
 pub mod syntax;
 pub mod tabular;
+#[cfg(feature = "cli")]
+pub mod tune;
 pub mod view;
 pub mod watch;
 pub mod why;

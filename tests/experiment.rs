@@ -11,7 +11,7 @@ use serde_json::Value;
 const TINY: [&str; 7] = ["paper", "--seeds", "2", "--seconds", "600", "--nodes", "300"];
 
 const HEADER: &str = "test,goal,planner,restarts,bounds,metric,hold,seed,verdict,nodes,trees,extensions,steps,seconds,\
-                      path_steps,program_sha256,version";
+                      path_steps,program_sha256,version,set";
 
 fn experiment_in(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hypedc")).arg("experiment").args(arguments).current_dir(folder).output().unwrap()
@@ -89,7 +89,7 @@ fn runs_are_the_same_for_one_and_two_threads_in_the_same_order() {
     assert_eq!(lines.clone().count(), 2 * 2 * 4 * 2 * 2);
     for (index, line) in lines.enumerate() {
         let cells: Vec<&str> = line.split(',').collect();
-        assert_eq!(cells.len(), 17, "{line}");
+        assert_eq!(cells.len(), 18, "{line}");
         assert_eq!(cells[7], ["1", "2"][index % 2], "{line}");
         assert!(cells[9].parse::<u64>().unwrap() <= 300, "{line}");
         assert!(cells[13].parse::<f64>().unwrap() < 600.0, "{line}");
@@ -240,5 +240,26 @@ fn bad_questions_are_told_and_not_asked() {
         let errors = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}\n{errors}");
         assert!(output.stdout.is_empty() && errors.contains(expected), "{arguments:?}\n{errors}");
+    }
+}
+
+#[test]
+fn a_sweep_has_a_column_for_its_values() {
+    let sweep = ["examples/balloon.hyped", "--seeds", "1", "--nodes", "200", "--seconds", "600", "--planners", "rrt"];
+    let sweep = [&sweep[..], &["--bounds", "reduced", "--set", "Balloon.drift=50..80/30"]].concat();
+    let shown = text(&sweep);
+    let rows: Vec<Vec<&str>> =
+        shown.lines().filter(|line| line.contains("rrt ")).map(|line| line.split_whitespace().collect()).collect();
+    let values: Vec<&str> = rows.iter().filter(|row| row[1] == "reduced").map(|row| row[0]).collect();
+    assert_eq!(values, ["50", "50", "80", "80"], "{shown}");
+    assert_eq!(shown.matches(", goal over\n").count(), 1, "{shown}");
+    let csv = text(&[&sweep[..], &["--format", "csv"]].concat());
+    let ends: Vec<&str> = csv.lines().skip(1).map(|line| line.rsplit(',').next().unwrap()).collect();
+    assert_eq!(ends, ["Balloon.drift=50", "Balloon.drift=50", "Balloon.drift=80", "Balloon.drift=80"], "{csv}");
+    let found = json(&sweep);
+    for (part, count) in [("questions", 2), ("runs", 4), ("rows", 4)] {
+        let all = found[part].as_array().unwrap();
+        assert_eq!(all.len(), count);
+        assert!(all.iter().any(|row| row["set"][0] == "Balloon.drift=80"), "{part}");
     }
 }

@@ -116,6 +116,17 @@ fn stuck_places_are_as_their_schema_says() {
 }
 
 #[test]
+fn changes_are_as_their_schema_says() {
+    let of = "tune --format json examples/balloon.hyped --nodes 300 --samples 2";
+    let asked =
+        ["--vary Balloon.lift=20..60", "--vary Balloon.lift=100..200 --goal balloon.y>500 --never balloon.y>800"];
+    validate("tune", &asked.map(|q| written(&format!("{of} {q}"))));
+    let of = "tune --format json examples/balloon.hyped --nodes 300 --max 1";
+    let asked = ["--tiles add --goal balloon.y>9000", "--tiles remove", "--tiles add --prevent"];
+    validate("tune-tiles", &asked.map(|q| written(&format!("{of} {q}"))));
+}
+
+#[test]
 fn results_are_as_their_schema_says() {
     let questions = [
         "examples/paper/test2.hyped --goal drawn --tree",

@@ -19,5 +19,7 @@ mod report_pages;
 mod stop;
 mod stuck;
 mod suite;
+mod tune;
 mod verdicts;
 mod why;
+mod why_not;

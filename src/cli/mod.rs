@@ -15,6 +15,7 @@ mod experiment;
 mod explain;
 mod fix;
 mod fmt;
+mod goal;
 mod graph;
 mod import;
 mod ir;
@@ -36,6 +37,7 @@ mod stuck;
 mod sweep;
 mod test;
 mod time;
+mod tune;
 mod watches;
 mod why;
 
@@ -84,6 +86,7 @@ pub fn main() -> ExitCode {
         Command::Reach(args) => reach::run(&args),
         Command::Why(args) => why::run(&args),
         Command::Stuck(args) => stuck::run(&args),
+        Command::Tune(args) => tune::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),

@@ -4,7 +4,7 @@ use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
-use super::{bounds, corpus, reach, stuck, test, why};
+use super::{bounds, corpus, reach, stuck, test, tune, why};
 use crate::corpus::Row;
 use crate::diagnostic::render;
 use crate::experiment::Report;
@@ -22,6 +22,8 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("stuck", closed(stuck::json_schema(), "What `hypedc stuck --format json` writes")),
+        ("tune", closed(tune::json_schema(), "What `hypedc tune --format json` writes")),
+        ("tune-tiles", closed(tune::tiles_schema(), "What `hypedc tune --tiles --format json` writes")),
         ("tests", closed(test::json_schema(), "What `hypedc test --format json` writes")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),

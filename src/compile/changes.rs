@@ -4,10 +4,11 @@ use std::path::Path;
 
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, similar};
-use crate::source::{SourceMap, Span, on_one_line};
+use crate::source::{Files, SourceMap, Span, on_one_line};
 use crate::syntax;
 use crate::syntax::Number;
 use crate::syntax::ast::{self, Name, Question};
+use crate::syntax::occurrence::Occurrences;
 
 /// Maximum number of names that a finding lists.
 const MAX_LISTED: usize = 20;
@@ -138,6 +139,29 @@ fn read(
     diagnostics.append(found);
     let name = Name { text: name.into(), span: Span::new(file, 0, predicate.len()) };
     read.map(|predicate| Question { name, predicate })
+}
+
+/// A number of a program as it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WrittenNumber {
+    /// Its value in the unit in which it is written; none if it is not a literal.
+    pub literal: Option<f64>,
+    /// The unit that is written after it, with the space before it.
+    pub unit: String,
+}
+
+/// The number of a program with a path: `Hero.speed` of a parameter, `gravity` of a constant.
+///
+/// That there is none.
+pub fn written_number(root: &Path, files: &dyn Files, path: &str) -> Result<WrittenNumber, NoQuestion> {
+    let mut sources = SourceMap::new();
+    let (mut trees, _) = syntax::load(root, files, &mut sources);
+    // What is wrong with behaviours is a finding of the program.
+    let _ = syntax::expand(&mut trees, &mut sources, &mut Occurrences::default());
+    let known: Vec<Number> = trees.iter().flat_map(syntax::numbers).collect();
+    let number = known.iter().find(|number| number.path() == path).ok_or_else(|| unknown(path, &known))?;
+    let unit = if number.literal.is_some() { syntax::unit_of(sources.slice(number.span)) } else { "" };
+    Ok(WrittenNumber { literal: number.literal, unit: unit.to_string() })
 }
 
 /// Sets numbers of the trees, in which behaviours are expanded.

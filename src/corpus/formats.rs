@@ -7,7 +7,7 @@ use crate::tabular::{Cell, Column, Table, csv};
 use super::row::Row;
 
 /// The columns of the CSV, one line a row; the fields are those of [`Row`], and what depends on the machine comes last.
-pub const CSV_HEADER: [&str; 49] = [
+pub const CSV_HEADER: [&str; 53] = [
     "row",
     "level",
     "kind",
@@ -54,6 +54,10 @@ pub const CSV_HEADER: [&str; 49] = [
     "restart",
     "settings",
     "nodes_limit",
+    "nearest_part",
+    "nearest_distance",
+    "nearest_unit",
+    "nearest_column",
     "seconds",
     "cpu_seconds",
     "analysis_seconds",
@@ -69,6 +73,8 @@ pub fn csv_line(row: &Row) -> String {
     let (a, c, s, t) = (&row.answer, &row.answer.coverage, &row.settings, &row.timing);
     let violations: Vec<&str> = a.violations.iter().map(|v| v.never.as_str()).collect();
     let proof = a.proven_by.map(|method| method.name().to_string());
+    let missing = a.why_not.as_ref().and_then(|why| why.missing());
+    let nearest = a.why_not.as_ref().and_then(|why| why.nearest.as_ref());
     let cells: [String; CSV_HEADER.len()] = [
         row.row.to_string(),
         text(&row.level),
@@ -116,6 +122,10 @@ pub fn csv_line(row: &Row) -> String {
         text(&s.restart),
         json::text(s, Layout::Compact).unwrap_or_default(),
         number(s.nodes_limit),
+        missing.map_or(String::new(), |part| part.text.clone()),
+        number(missing.and_then(|part| part.distance)),
+        missing.map_or(String::new(), |part| part.unit.clone()),
+        number(nearest.and_then(|nearest| nearest.at.column)),
         format!("{:.6}", t.seconds),
         t.cpu_seconds.map_or(String::new(), |seconds| format!("{seconds:.6}")),
         format!("{:.6}", t.analysis_seconds),

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::reach::query::{Answer, Kind};
+use crate::reach::why_not::WhyNot;
 use crate::reach::{Conclusion, End};
 
 /// The version of the rows.
@@ -160,7 +161,11 @@ impl Row {
             Conclusion::NotFound | Conclusion::NotAnswered => match answer.end {
                 End::Stopped => "the time is spent".to_string(),
                 End::Memory => "the memory is full".to_string(),
-                End::Answered | End::Nodes => format!("not among {} nodes", answer.nodes),
+                End::Answered | End::Nodes => {
+                    let nearest = answer.why_not.as_ref().and_then(WhyNot::phrase);
+                    let nearest = nearest.map_or(String::new(), |phrase| format!("; {phrase}"));
+                    format!("not among {} nodes{nearest}", answer.nodes)
+                }
             },
             Conclusion::Violated => "there is a way to break it".to_string(),
             Conclusion::Reached => String::new(),

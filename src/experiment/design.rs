@@ -9,6 +9,8 @@ use crate::sim::Simulator;
 pub struct Question<'a> {
     /// The name of the test in results, without the goal's name.
     pub test: String,
+    /// The numbers of the program that are swept, with their values.
+    pub set: Vec<(String, String)>,
     /// The test of the paper, if it is one.
     pub paper: Option<super::paper::Test>,
     /// The simulator of the world.
@@ -29,6 +31,11 @@ impl Question<'_> {
     /// The question as a problem for planners.
     pub fn problem(&self) -> Problem<'_> {
         Problem::new(self.sim, self.goal)
+    }
+
+    /// The swept numbers as `--set` takes them.
+    pub fn settings(&self) -> Vec<String> {
+        self.set.iter().map(|(name, value)| format!("{name}={value}")).collect()
     }
 
     /// The goal's name.

@@ -31,7 +31,8 @@ const RESULT_VERSION: u32 = 1;
 /// | `path_steps` | steps of the way to the goal; empty if there is none |
 /// | `program_sha256` | of what the program means |
 /// | `version` | of `hypedc` |
-pub const CSV_HEADER: [&str; 17] = [
+/// | `set` | the numbers that are swept, `NAME=NUMBER`, separated by blanks |
+pub const CSV_HEADER: [&str; 18] = [
     "test",
     "goal",
     "planner",
@@ -49,6 +50,7 @@ pub const CSV_HEADER: [&str; 17] = [
     "path_steps",
     "program_sha256",
     "version",
+    "set",
 ];
 
 /// A run as a line of CSV under [`CSV_HEADER`], without the line's end.
@@ -72,6 +74,7 @@ pub fn csv_line(design: &Design, questions: &[Question<'_>], run: &Run) -> Strin
         run.path_steps.map_or(String::new(), |steps| steps.to_string()),
         question.program_sha256.clone(),
         env!("CARGO_PKG_VERSION").to_string(),
+        question.settings().join(" "),
     ];
     line(cells)
 }
@@ -123,6 +126,8 @@ struct PaperPart {
 struct QuestionPart<'a> {
     /// `test1` or `test2` of the paper, or a file and its world.
     test: &'a str,
+    /// The numbers that are swept, with their values.
+    set: Vec<String>,
     /// The goal's name.
     goal: &'a str,
     /// A hash of what the program means.
@@ -137,6 +142,7 @@ impl<'a> QuestionPart<'a> {
     fn new(question: &'a Question<'_>) -> Self {
         QuestionPart {
             test: &question.test,
+            set: question.settings(),
             goal: question.goal_name(),
             program_sha256: &question.program_sha256,
             analysis_seconds: question.analysis_seconds,
@@ -151,6 +157,8 @@ impl<'a> QuestionPart<'a> {
 struct Named<'a, T> {
     /// `test1` or `test2` of the paper, or a file and its world.
     test: &'a str,
+    /// The numbers that are swept, with their values.
+    set: Vec<String>,
     /// The goal's name.
     goal: &'a str,
     /// The planner.
@@ -171,6 +179,7 @@ impl<'a, T> Named<'a, T> {
     fn new(question: &'a Question<'_>, setup: &Setup, rest: T) -> Self {
         Named {
             test: &question.test,
+            set: question.settings(),
             goal: question.goal_name(),
             planner: setup.planner.name(),
             restarts: setup.restarts(),

@@ -55,6 +55,17 @@ impl Report<'_> {
         let rows = self.rows();
         let mut out = String::new();
         for (index, question) in self.questions.iter().enumerate() {
+            if !question.set.is_empty() {
+                // One table for all values, where the first of them is.
+                let is_same =
+                    |other: &&Question<'_>| (&other.test, other.goal_name()) == (&question.test, question.goal_name());
+                if self.questions.iter().position(|other| is_same(&other)) == Some(index) {
+                    let same: Vec<usize> =
+                        (0..self.questions.len()).filter(|at| is_same(&&self.questions[*at])).collect();
+                    out.push_str(&self.sweep(question, &same, &rows));
+                }
+                continue;
+            }
             let mine: Vec<&Row> = rows.iter().filter(|r| r.question == index).collect();
             out.push_str(&title(question));
             out.push_str("\n\n");
@@ -74,9 +85,28 @@ impl Report<'_> {
         out
     }
 
+    /// The table of a question for all values of the swept numbers.
+    fn sweep(&self, question: &Question<'_>, same: &[usize], rows: &[Row]) -> String {
+        let mine: Vec<&Row> = rows.iter().filter(|row| same.contains(&row.question)).collect();
+        let mut out = format!("{}\n\n", title(question));
+        if !mine.is_empty() {
+            out.push_str(&self.table(&mine, question.paper.is_some()));
+            self.footnotes(&mine, &mut out);
+        }
+        let ruled_out = same.iter().map(|at| &self.questions[*at]).filter(|question| question.is_ruled_out);
+        for question in ruled_out {
+            out.push_str(&format!("{}: proven unreachable, nothing was searched\n", question.settings().join(", ")));
+        }
+        let all: f64 = same.iter().map(|at| self.questions[*at].analysis_seconds).sum();
+        out.push_str(&format!("\nanalysis of the worlds: {} s, once each, not part of the times\n\n", seconds(all)));
+        out
+    }
+
     fn table(&self, rows: &[&Row], is_papers: bool) -> String {
         let metrics: BTreeSet<&str> = self.design.setups.iter().map(|s| s.metric()).collect();
-        let mut columns = vec![Column::left("", "bounds"), Column::left("", "planner"), Column::right("", "restarts")];
+        let swept = rows.first().map_or(&[][..], |row| &self.questions[row.question].set);
+        let mut columns: Vec<Column> = swept.iter().map(|(name, _)| Column::right("", name.clone())).collect();
+        columns.extend([Column::left("", "bounds"), Column::left("", "planner"), Column::right("", "restarts")]);
         if metrics.len() > 1 {
             columns.push(Column::left("", "metric"));
         }
@@ -100,8 +130,9 @@ impl Report<'_> {
         let (mean, median) = (|s: Spread| s.mean, |s: Spread| s.median);
         for row in rows {
             let setup = &self.design.setups[row.setup];
-            let mut cells: Vec<Cell> =
-                vec![setup.bounds().into(), setup.planner.name().into(), setup.restarts().into()];
+            let set = self.questions[row.question].set.iter();
+            let mut cells: Vec<Cell> = set.map(|(_, value)| Cell::from(value.as_str())).collect();
+            cells.extend([setup.bounds().into(), setup.planner.name().into(), setup.restarts().into()]);
             if metrics.len() > 1 {
                 cells.push(setup.metric().into());
             }

@@ -6,6 +6,7 @@
 mod border;
 mod bound;
 mod guard;
+mod initial;
 mod modes;
 mod range;
 mod terms;

@@ -22,8 +22,8 @@ pub(super) fn modes(entity: &Entity, found: &mut Diagnostics) {
         if !entered[mode] {
             // A mode inside an unreachable mode is explained by it.
             if m.parent.is_none_or(|around| entered[around]) {
-                let beside = siblings(entity, mode);
-                let (first, doubtful) = (first(entity, mode, &beside), doubtful(entity, &beside));
+                let beside = entity.siblings(mode);
+                let (first, doubtful) = (first(entity, mode, beside), doubtful(entity, beside));
                 found.report(UnreachableMode { path: m.path.join("."), at: m.name.span, first, doubtful });
             }
             continue;
@@ -196,13 +196,6 @@ fn doubtful(entity: &Entity, beside: &[ModeId]) -> Vec<(Span, String)> {
         found = edges.iter().filter_map(repeats).collect();
     }
     if found.len() > MAX_DOUBTFUL { Vec::new() } else { found }
-}
-
-fn siblings(entity: &Entity, mode: ModeId) -> Vec<ModeId> {
-    match entity.modes[mode].parent {
-        Some(parent) => entity.modes[parent].children.clone(),
-        None => entity.groups[entity.modes[mode].group].modes.clone(),
-    }
 }
 
 /// The possible initial modes of siblings: those marked `initial when`, and the default one.

@@ -8,11 +8,12 @@ use crate::diagnostic::catalogue::world::{UnknownLevelName, as_tag};
 use crate::diagnostic::{Diagnostics, similar};
 use crate::ir::{EntityId, MAX_TAGS, Origin, Push, Subject, TagId};
 use crate::sema::checked::{
-    Checked, CollideRule, Entity, Instance, LevelName, Shape, Solid, Space, TermKind, Touching, World,
+    Checked, CollideRule, Entity, Instance, LevelName, Shape, Solid, Space, Term, TermKind, Touching, World,
 };
 use crate::sema::{ConstantContext, evaluate, side_meant};
 use crate::source::{FileId, Span};
 
+use super::initial::Placed;
 use super::terms;
 
 /// Overlaps less deep than this are ignored, px.
@@ -362,8 +363,10 @@ fn inside(
 ) {
     let (Some([x, ..]), Some([y, ..])) = (instance.vars.iter().next(), instance.vars.iter().nth(1)) else { return };
     let context = ConstantContext { params: Some(&instance.params), step: Some(world.step) };
-    let movable = checked.entities[instance.entity].colliders.iter().filter(|c| !c.kinematic && c.guard.is_none());
-    for collider in movable {
+    let entity = &checked.entities[instance.entity];
+    let placed = Placed { entity, instance, context };
+    let is_there = |guard: &Option<Term>| guard.as_ref().is_none_or(|guard| placed.holds(guard) == Some(true));
+    for collider in entity.colliders.iter().filter(|collider| !collider.kinematic && is_there(&collider.guard)) {
         let Shape::Rect(numbers) = &collider.shape else { continue };
         let [Ok(left), Ok(bottom), Ok(width), Ok(height)] = numbers.each_ref().map(|n| evaluate(n, context)) else {
             continue;

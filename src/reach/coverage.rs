@@ -125,7 +125,8 @@ impl Coverage {
     }
 }
 
-fn insert(table: &mut HashTable<u64>, key: u64) {
+/// Adds a key to a set.
+pub(super) fn insert(table: &mut HashTable<u64>, key: u64) {
     table.entry(key, |known| *known == key, |known| *known).or_insert(key);
 }
 

@@ -7,6 +7,7 @@ use crate::ir::{
 };
 
 use super::around::images;
+use super::outcome::Visited;
 use super::problem::Problem;
 
 /// Maximum number of boxes per goal.
@@ -44,6 +45,20 @@ pub(super) fn goal_positions(problem: &Problem<'_>) -> Option<(SlotId, Vec<Posit
         let places = Finder { problem, player }.places(problem.predicate())?;
         Some((player, places))
     })
+}
+
+/// The least distance of some places of a player to where the target can hold, px; `None` if it does not restrict the
+/// player's position.
+pub fn distance_to_goal(problem: &Problem<'_>, places: &[Visited]) -> Option<f64> {
+    let (_, boxes) = goal_positions(problem)?;
+    let beside = |(low, high): (f64, f64), at: f64| (low - at).max(at - high).max(0.0);
+    let far = |place: &Visited, goal: &PositionBox| {
+        let is_there = goal.space.is_none_or(|space| space == place.space);
+        let [x, y] = place.at.map(f64::from);
+        if is_there { beside(goal.x, x).hypot(beside(goal.y, y)) } else { f64::INFINITY }
+    };
+    let all = places.iter().flat_map(|place| boxes.iter().map(move |goal| far(place, goal)));
+    all.reduce(f64::min)
 }
 
 /// The box of a collider of a slot relative to its position; `None` if it is not constant.

@@ -48,6 +48,7 @@ mod start_hold;
 mod strategy;
 pub mod stuck;
 mod tree;
+pub mod why_not;
 mod window;
 
 pub use bounds::Sampling;
@@ -56,6 +57,7 @@ pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::plan_from_script;
 pub use explore::{CoveredEntity, CoveredSpace, Explored, Explorer, Observer, Top};
+pub use goal_positions::distance_to_goal;
 pub use improve_duration::improve_duration;
 pub use metric::{Coordinate, Measure, Metric, Point, Quantity};
 pub use monitor::{Monitor, Refutation};

@@ -9,6 +9,7 @@ use super::coverage::Covered;
 use super::monitor::{Monitor, Refutation};
 use super::planners::Planner;
 use super::proof::{Proof, TooFar};
+use super::why_not::Nearest;
 
 /// The answer to "can this be reached?".
 #[derive(Debug, Clone, PartialEq)]
@@ -162,6 +163,8 @@ pub struct Outcome {
     pub refuted: Option<Refutation>,
     /// Whether a proof was withdrawn because it rests on a refuted analysis; then there is no answer.
     pub is_withdrawn: bool,
+    /// The states that came nearest to the target, if they were kept.
+    pub nearest: Option<Nearest>,
 }
 
 impl End {
@@ -231,6 +234,7 @@ impl Outcome {
             reads_between: false,
             refuted: None,
             is_withdrawn: false,
+            nearest: None,
         }
     }
 }

@@ -241,6 +241,11 @@ impl<'s> Problem<'s> {
         self.is_foretold
     }
 
+    /// The seed of what nature draws where a script leaves it open.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
     /// An input with all that nature draws in a step, which counts from the initial state on: what a script leaves open
     /// is drawn from the seed.
     pub fn draw<'i>(&self, step: u64, input: &'i Input) -> Cow<'i, Input> {

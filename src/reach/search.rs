@@ -53,6 +53,8 @@ pub struct Settings {
     pub records: bool,
     /// Whether all states are checked against the configuration space, if a problem has no [`Monitor`](super::Monitor).
     pub checks: bool,
+    /// Whether the states that come nearest to the target are kept, to explain a missing answer.
+    pub explains: bool,
 }
 
 impl Default for Settings {
@@ -69,6 +71,7 @@ impl Default for Settings {
             threads: 1,
             records: false,
             checks: true,
+            explains: false,
         }
     }
 }
@@ -159,7 +162,7 @@ fn search_monitored(
     }
     let windows = Windows::new(problem, &starts);
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
-    let uses_distances = settings.planner.uses_distances() || problem.time().is_some();
+    let uses_distances = settings.planner.uses_distances() || settings.explains || problem.time().is_some();
     let distances = if uses_distances { DistanceField::new(problem, space, &Meter::new(watch)) } else { None };
     let build = Builder {
         problem,
@@ -241,6 +244,7 @@ impl<'a> Builder<'_, 'a> {
         let rng = Pcg64::seed_from_u64(seed);
         SearchContext::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
             .recording(self.settings.records)
+            .tracking(self.settings.explains, self.distances)
     }
 
     /// The searcher of a single planner.
@@ -406,6 +410,7 @@ impl ParallelSearch<'_, '_> {
             reads_between: self.reads_between,
             refuted: None,
             is_withdrawn: false,
+            nearest: notes.nearest,
         }
     }
 }

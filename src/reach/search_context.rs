@@ -10,12 +10,14 @@ use crate::watch::{Meter, PollLimit, Watch};
 
 use super::controls::ControlSets;
 use super::coverage::Coverage;
+use super::distance::DistanceField;
 use super::luck::{Luck, only_read};
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
 use super::problem::{Problem, Start, StateStatus, Termination};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
+use super::why_not::{Nearest, Tracker};
 use super::window::Windows;
 
 /// Number of polls after which a final short replay is stopped: a few tenths of a second.
@@ -52,6 +54,8 @@ pub(super) struct Notes {
     pub exhausted: Option<(u16, u64)>,
     /// Branches given up at search windows although the target may lie beyond.
     pub cuts: Vec<Cut>,
+    /// The states that came nearest to the target, if they are kept.
+    pub nearest: Option<Nearest>,
 }
 
 impl Notes {
@@ -72,6 +76,9 @@ impl Notes {
         self.is_truncated |= other.is_truncated;
         self.has_open_draws |= other.has_open_draws;
         other.cuts.iter().for_each(|cut| self.cut(*cut));
+        if let Some(nearest) = &other.nearest {
+            self.nearest.get_or_insert_default().join(nearest);
+        }
         self.exhausted = match (self.exhausted, other.exhausted) {
             (Some(a), Some(b)) => Some(if b.0 < a.0 { b } else { a }),
             (a, b) => a.or(b),
@@ -119,6 +126,8 @@ pub struct SearchContext<'a> {
     is_refuted: bool,
     /// The index of the tree's first node in the record, if nodes are recorded.
     recorded: Option<usize>,
+    /// Keeps the nearest states, if a missing answer is to be explained.
+    tracker: Option<Box<Tracker<'a>>>,
 }
 
 impl<'a> SearchContext<'a> {
@@ -154,7 +163,15 @@ impl<'a> SearchContext<'a> {
             work: vec![0; size],
             is_refuted: false,
             recorded: None,
+            tracker: None,
         }
+    }
+
+    /// Keeps the states that come nearest to the target from now on.
+    #[must_use]
+    pub(super) fn tracking(mut self, tracks: bool, distances: Option<&'a DistanceField>) -> Self {
+        self.tracker = tracks.then(|| Box::new(Tracker::new(self.problem, distances)));
+        self
     }
 
     /// Records all nodes from now on.
@@ -195,6 +212,10 @@ impl<'a> SearchContext<'a> {
 
     /// Removes the tree.
     pub(super) fn clear(&mut self) {
+        if let Some(mut tracker) = self.tracker.take() {
+            tracker.end_tree(|choice, step| self.script(choice, step));
+            self.tracker = Some(tracker);
+        }
         self.tree.clear();
         self.roots.clear();
         self.luck.iter_mut().for_each(Luck::change);
@@ -213,6 +234,9 @@ impl<'a> SearchContext<'a> {
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
         self.record(root, root);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.add_root(self.problem.sim, &self.starts[start].state, root);
+        }
         if let Some(observer) = self.problem.observer() {
             observer.see(self.problem.sim, &self.starts[start].state, &self.scratch);
         }
@@ -283,6 +307,9 @@ impl<'a> SearchContext<'a> {
         let left = self.problem.time().map_or(u32::MAX, |most| most.saturating_sub(self.tree.depth(choice.node)));
         let mut was_beyond = self.windows.left(self.problem, &self.work).is_some();
         let first = self.first_step(choice.node);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.begin(self.problem.sim, &self.work, choice.node);
+        }
         for step in 1..=choice.hold {
             if u32::from(step) > left {
                 return Extension::Dead;
@@ -307,6 +334,9 @@ impl<'a> SearchContext<'a> {
                 && matches!(judged, Ok(StateStatus::Open | StateStatus::Dead(Termination::Never(_))))
             {
                 observer.see(self.problem.sim, &self.work, &self.scratch);
+            }
+            if let (Some(tracker), Ok(StateStatus::Open)) = (&mut self.tracker, judged) {
+                tracker.see(self.problem.sim, &self.work, choice, step);
             }
             match judged {
                 // Comparisons of a position take effect in the next step: one state beyond the window is simulated,
@@ -358,6 +388,9 @@ impl<'a> SearchContext<'a> {
         self.notes.coverage.visit(self.problem, &self.work);
         let node = self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs);
         self.record(node, choice.node);
+        if let Some(tracker) = &mut self.tracker {
+            tracker.add();
+        }
         self.check(choice);
         node
     }
@@ -460,11 +493,17 @@ impl<'a> SearchContext<'a> {
     pub(super) fn report(&self, notes: &mut Notes) {
         notes.join(&self.notes);
         notes.is_truncated |= self.controls.truncated;
+        if let Some(tracker) = &self.tracker {
+            let nearest = tracker.nearest(|choice, step| self.script(choice, step));
+            notes.nearest.get_or_insert_default().join(&nearest);
+        }
     }
 
     /// Memory use, bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.tree.bytes() + self.notes.coverage.bytes() + self.notes.record.capacity() * size_of::<Visited>()
+        let tracked = self.tracker.as_ref().map_or(0, |tracker| tracker.bytes());
+        let recorded = self.notes.record.capacity() * size_of::<Visited>();
+        self.tree.bytes() + self.notes.coverage.bytes() + recorded + tracked
     }
 }
 

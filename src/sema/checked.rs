@@ -266,6 +266,14 @@ pub struct Entity {
 }
 
 impl Entity {
+    /// The modes beside a mode, itself included.
+    pub fn siblings(&self, mode: ModeId) -> &[ModeId] {
+        match self.modes[mode].parent {
+            Some(parent) => &self.modes[parent].children,
+            None => &self.groups[self.modes[mode].group].modes,
+        }
+    }
+
     /// All that edges, entries of modes and `follow links` do.
     pub fn actions(&self) -> impl Iterator<Item = &Action> {
         let entries = self.modes.iter().flat_map(|m| m.entry.iter().chain(m.follows.iter().flat_map(|f| &f.actions)));

@@ -439,6 +439,19 @@ impl Simulator {
         }
     }
 
+    /// An expression of the world as a number; truth is 1.
+    ///
+    /// # Errors
+    /// As [`Simulator::holds`].
+    pub fn number(&self, state: &[u8], expression: ExprId) -> Result<f64, Fault> {
+        let fault = Cell::new(None);
+        let value = self.world_reader(state, &fault).number(expression);
+        match fault.get() {
+            Some(fault) => Err(fault),
+            None => Ok(value),
+        }
+    }
+
     /// Whether a goal holds in a state.
     ///
     /// # Errors

@@ -13,6 +13,8 @@ mod search;
 mod session;
 mod sliders;
 
+#[cfg(feature = "cli")]
+pub(crate) use paint::Written;
 pub use project::Level;
 pub use protocol::*;
 pub use search::{Listener, Task};

@@ -18,7 +18,7 @@ use super::protocol::{BrushInfo, MapInfo, Scene};
 const MAX_BRUSHES: usize = 500;
 
 /// The program as it is written.
-pub(super) struct Written<'l> {
+pub(crate) struct Written<'l> {
     sources: SourceMap,
     trees: Vec<File>,
     /// The level from the command line, and its part.

@@ -498,6 +498,21 @@ impl Generator<'_> {
             let predicate = self.predicate();
             self.world_line(format!("never n0: {predicate}"));
         }
+        self.test();
+    }
+
+    /// A test, which no state depends on.
+    fn test(&mut self) {
+        self.world_line("test \"random\" {");
+        self.world_line("inputs \"-*3\"; chance seed 7");
+        for moment in ["at end", "by end", "always", "never"] {
+            let predicate = self.predicate();
+            self.world_line(format!("expect {predicate} {moment}"));
+        }
+        let (goal, barrier) = (self.predicate(), self.predicate());
+        self.world_line(format!("reachable {goal} not without {barrier} within 60frames"));
+        self.world_line(format!("unreachable {barrier}; unfound {goal}"));
+        self.world_line("}");
     }
 
     /// A predicate of the world.

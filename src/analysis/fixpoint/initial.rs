@@ -19,12 +19,42 @@ impl Analysis<'_> {
         if !s.is_fixed {
             at.params = s.params.iter().map(|p| Values::point(*p)).collect();
         }
+        self.vary(slot, &mut at);
         bring_in(self.world, &mut at);
         // Contacts are detected before the first step, too, without pushes.
         let contact = VarId::XY.map(|var| at.vars[var][0]);
         let known = &mut self.slots[slot].contact;
         *known = [known[0].or(&contact[0]), known[1].or(&contact[1])];
         self.enter(slot, at);
+    }
+
+    /// Gives an instance that begins all values of what is not known of it.
+    fn vary(&mut self, slot: SlotId, at: &mut Configuration) {
+        let Some(dependent) = self.unknown.slots.get(&slot) else { return };
+        let (entity, s) = (self.entity(slot), &self.world.slots[slot]);
+        at.params = IdVec::new();
+        for (id, param) in entity.params.pairs() {
+            let value = match dependent.params.get(&id) {
+                Some(one) => {
+                    let default = self.unknown.defaults.get(&(s.entity, id)).copied();
+                    // It reads the parameters before it.
+                    let own = default.unwrap_or_else(|| self.reader(Some((slot, at))).number(param.default));
+                    // It may be given all the same.
+                    own.or(&Values::point(*one))
+                }
+                None => Values::point(s.params[id]),
+            };
+            at.params.push(value);
+        }
+        for (id, first) in entity.first.pairs() {
+            if let (Some(one), Some(first)) = (dependent.vars.get(&id), first) {
+                let own = self.reader(Some((slot, at))).number(*first);
+                at.vars[id][0] = own.or(&Values::point(*one));
+            }
+        }
+        for (known, value) in self.slots[slot].params.iter_mut().zip(at.params.iter()) {
+            *known = known.or(value);
+        }
     }
 
     /// Adds a configuration in all possible initial leaves.
@@ -84,7 +114,11 @@ impl Analysis<'_> {
             let own = |spawned: &Configuration, id| self.reader(Some((slot, spawned))).number(id);
             for (id, param) in entity.params.pairs() {
                 let given = spawn.params.iter().find(|(p, _)| *p == id);
-                let value = given.map_or_else(|| own(&spawned, param.default), |(_, value)| theirs(*value));
+                let default = || {
+                    let varied = self.unknown.defaults.get(&(s.entity, id)).copied();
+                    varied.unwrap_or_else(|| own(&spawned, param.default))
+                };
+                let value = given.map_or_else(default, |(_, value)| theirs(*value));
                 spawned.params.push(value);
             }
             for (var, first) in entity.first.pairs() {

@@ -4,6 +4,7 @@ pub(in crate::analysis) mod counter_bounds;
 mod effects;
 pub(in crate::analysis) mod initial;
 pub(in crate::analysis) mod narrowing;
+mod thresholds;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,6 +18,7 @@ use crate::watch::Watch;
 use super::{ConfigurationSpace, GivenUp, SlotSpace};
 use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
 use crate::analysis::domain::received::{Received, Sent};
+use crate::analysis::domain::unknown::{Unknown, known_or};
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::domain::widen::{GrowthCounts, Thresholds, within_bounds};
 use crate::analysis::fixpoint::counter_bounds::Limits;
@@ -91,6 +93,8 @@ pub(in crate::analysis) struct Analysis<'a> {
     first: IdVec<SlotId, SlotId>,
     /// Invariant bounds of the discrete variables.
     limits: Limits,
+    /// What is not known of the instances that begin.
+    pub unknown: &'a Unknown,
     /// Predicates that never hold.
     forbidden: Forbidden<'a>,
     /// Whether any instance reads others.
@@ -111,7 +115,7 @@ impl<'a> Analysis<'a> {
     pub fn new(
         scene: Scene<'a>,
         forbidden: Forbidden<'a>,
-        limits: Limits,
+        (limits, unknown): (Limits, &'a Unknown),
         effort: usize,
         watch: &'a dyn Watch,
     ) -> Self {
@@ -121,7 +125,7 @@ impl<'a> Analysis<'a> {
             .iter()
             .map(|s| Slot {
                 can_be_absent: s.origin == Origin::Free,
-                params: s.params.iter().map(|p| Values::point(*p)).collect(),
+                params: s.params.iter().map(|p| known_or(*p, Values::none())).collect(),
                 is_changed: true,
                 mid_step: MidStep::new(s.vars.len(), s.discretes.len()),
                 ..Slot::default()
@@ -141,6 +145,7 @@ impl<'a> Analysis<'a> {
             first: first.collect(),
             scene,
             limits,
+            unknown,
             forbidden,
             surroundings: Surroundings::default(),
             received: Received::default(),
@@ -158,22 +163,6 @@ impl<'a> Analysis<'a> {
         analysis.publish();
         analysis.thresholds = analysis.thresholds();
         analysis
-    }
-
-    fn thresholds(&self) -> Thresholds {
-        let (program, world) = (self.program, self.world);
-        let mut numbers = vec![0.0];
-        let mut read: BTreeMap<EntityId, Vec<ExprId>> = BTreeMap::new();
-        for kind in &self.scene.kinds {
-            let Some(first) = kind.slots.first() else { continue };
-            let exprs =
-                read.entry(kind.entity).or_insert_with(|| program.with_operands(program.entities[kind.entity].exprs()));
-            let params = &world.slots[*first].params;
-            let constants = exprs.iter().filter_map(|id| program.constant(*id, params, world.step));
-            numbers.extend(constants.flat_map(|c| [c, -c]));
-        }
-        numbers.extend(self.scene.edges().flat_map(|e| [e.low, e.high]));
-        Thresholds::new(numbers)
     }
 
     pub(in crate::analysis) fn entity(&self, slot: SlotId) -> &'a Entity {

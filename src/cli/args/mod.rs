@@ -25,6 +25,7 @@ use crate::cli::experiment::args::ExperimentArgs;
 use crate::cli::stuck::args::StuckArgs;
 use crate::cli::test::args::TestArgs;
 use crate::cli::time::{Hold, Time};
+use crate::cli::tune::args::TuneArgs;
 
 /// Compiles, simulates and analyses action-game entities written as hybrid automata.
 #[derive(Debug, Parser)]
@@ -55,6 +56,8 @@ pub(in crate::cli) enum Command {
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.
     Stuck(StuckArgs),
+    /// Finds the smallest change of a number, or of a level, that turns an answer.
+    Tune(TuneArgs),
     /// Runs the tests that programs hold.
     Test(TestArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
@@ -447,7 +450,7 @@ pub(in crate::cli) enum MetricName {
     Xy,
 }
 
-fn chance_seed(text: &str) -> Result<u64, String> {
+pub(in crate::cli) fn chance_seed(text: &str) -> Result<u64, String> {
     let seed = text.strip_prefix("seed=").and_then(|seed| seed.parse().ok());
     seed.ok_or_else(|| "a seed is written `seed=7`".to_string())
 }

@@ -108,7 +108,7 @@ impl SetArgs {
     pub fn refusal(&self) -> Option<String> {
         let (path, _) = *self.sweeps().first()?;
         Some(format!(
-            "`--set {path}` is a sweep: `reach`, `sim` and `bounds` have these, other commands take one number"
+            "`--set {path}` is a sweep: `reach`, `sim`, `bounds` and `experiment` have these, other commands take one number"
         ))
     }
 }

@@ -24,7 +24,8 @@ use crate::reach::{Limits, Planner, Problem, Proof};
 use crate::sim::Simulator;
 
 use crate::cli::Exit;
-use crate::cli::report::{Loaded, has_maps, load_changed, plain_error, program_sha256, show, show_fact};
+use crate::cli::report::{Loaded, has_maps, load_again, load_changed, plain_error, program_sha256, show, show_fact};
+use crate::cli::sweep::{Sweep, swept};
 use crate::cli::watches::interrupted;
 use args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
 
@@ -42,6 +43,8 @@ struct Source {
     name: String,
     /// The numbers that were set, after a comma each.
     set: String,
+    /// The numbers that are swept, with their values.
+    swept: Vec<(String, String)>,
     paper: Option<Test>,
     loaded: Loaded,
 }
@@ -74,29 +77,44 @@ fn run_paper(args: &PaperArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         };
         let loaded = Loaded { sources: files, program };
-        sources.push(Source { name: paper.name().to_string(), set: String::new(), paper: Some(paper), loaded });
+        sources.push(Source {
+            name: paper.name().to_string(),
+            set: String::new(),
+            swept: Vec::new(),
+            paper: Some(paper),
+            loaded,
+        });
     }
     let is_selected = |source: &Source, goal: &str| source.paper != Some(Test::Two) || goal == args.goal.name();
     experiment(&sources, &is_selected, &PLANNERS, &args.options)
 }
 
 fn run_files(args: &FilesArgs) -> io::Result<Exit> {
-    let mut sources = Vec::new();
-    if let Some(why) = args.numbers.refusal() {
-        plain_error(&why)?;
-        return Ok(Exit::Refused);
+    match swept(&args.numbers, |sweep| run_points(args, Some(sweep)))? {
+        Some(exit) => Ok(exit),
+        None => run_points(args, None),
     }
-    let numbers = args.numbers.fixed();
+}
+
+/// Runs an experiment on files, with each value of the numbers that are swept.
+fn run_points(args: &FilesArgs, sweep: Option<&Sweep<'_>>) -> io::Result<Exit> {
+    let mut sources = Vec::new();
+    let fixed = args.numbers.fixed();
     let question = |text| ExtraQuestion { asked: Asked::Goal, world: None, text, origin: "--goal" };
     let questions: Vec<ExtraQuestion<'_>> = args.goal.iter().map(|text| question(text)).collect();
-    let changes = Changes { numbers: &numbers, questions: &questions, ..Changes::default() };
-    for file in &args.files {
-        let Some(loaded) = load_changed(file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
+    let points = sweep.map_or(1, Sweep::points);
+    for (file, point) in args.files.iter().flat_map(|file| (0..points).map(move |point| (file, point))) {
+        let set = sweep.map_or(Vec::new(), |sweep| sweep.numbers(point));
+        let numbers = [&fixed[..], &set].concat();
+        let changes = Changes { numbers: &numbers, questions: &questions, ..Changes::default() };
+        let load = if point == 0 { load_changed } else { load_again };
+        let Some(loaded) = load(file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
+        let swept = set.iter().map(|set| (set.path.to_string(), set.value.to_string())).collect();
         if !has_maps(&loaded, loaded.program.worlds.iter())? {
             return Ok(Exit::Refused);
         }
         let set = args.numbers.texts().iter().map(|set| format!(", {set}")).collect();
-        sources.push(Source { name: file.display().to_string(), set, paper: None, loaded });
+        sources.push(Source { name: file.display().to_string(), set, swept, paper: None, loaded });
     }
     let worlds = sources.iter().flat_map(|s| s.loaded.program.worlds.iter());
     let goals: Vec<&str> = worlds.flat_map(|w| w.goals.iter().map(|g| g.name.as_str())).collect();
@@ -224,6 +242,7 @@ fn questions<'a>(analysed: &'a [Analysed<'a>], is_selected: &dyn Fn(&Source, &st
                     Some(_) => source.name.clone(),
                     None => format!("{}:{}{}", source.name, sim.world().name, source.set),
                 },
+                set: source.swept.clone(),
                 paper: source.paper,
                 sim,
                 space,

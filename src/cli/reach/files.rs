@@ -103,6 +103,13 @@ pub(super) fn plan<'f>(found: &'f Found<'_>) -> Option<&'f Plan> {
     }
 }
 
+/// The way to the state that came nearest, of a goal that was not reached; none if that is the start.
+pub(super) fn nearest<'f>(found: &'f Found<'_>, answer: &Answer) -> Option<&'f Script> {
+    // Only what was replayed is part of an answer.
+    answer.why_not.as_ref()?.nearest.as_ref().filter(|nearest| nearest.at.step > 0)?;
+    Some(&found.outcome.nearest.as_ref()?.whole.as_ref()?.script)
+}
+
 /// A goal as part of a file's name: a name as it is, a predicate with words for what names of files cannot have.
 fn file_word(goal: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || c == '_';
@@ -156,7 +163,8 @@ pub(super) fn picture(
 ) -> String {
     let (nodes, sim) = (nodes(found), session.simulator());
     let chance = session.query().chance;
-    let run = plan(found).map_or(Run::default(), |plan| recorded(sim, (&plan.script, chance), watch));
+    let shown = plan(found).map(|plan| &plan.script).or(nearest(found, answer));
+    let run = shown.map_or(Run::default(), |script| recorded(sim, (script, chance), watch));
     let goals: Vec<GoalId> = sim.world().goal_named(&answer.goal).into_iter().collect();
     let notes = notes(answer);
     let picture = Picture {

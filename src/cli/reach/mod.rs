@@ -10,8 +10,9 @@ pub(in crate::cli) mod refuted;
 mod result;
 mod sweep;
 mod text;
+mod why_not;
 
-pub(in crate::cli) use text::counted;
+pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
 pub(in crate::cli) use {
     explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,
@@ -136,7 +137,8 @@ fn answer_all(
         }
         if args.format == ResultFormat::Human {
             let (query, has_rooms) = (session.query(), program.worlds[world].spaces.len() > 1);
-            let shown = Shown { query, saved: &saved, seconds: searched.seconds, has_rooms, detail };
+            let seconds = searched.seconds;
+            let shown = Shown { query, saved: &saved, seconds, has_rooms, detail, is_verbose: args.verbose };
             write!(io::stdout(), "{}", answer_text(&answer, &shown))?;
         }
         if !answer.is_expected {
@@ -261,7 +263,7 @@ pub fn answer_by_analysis_of(
     };
     let answer = session.answer(&mut first, &loaded.sources);
     let (query, saved) = (session.query(), Saved::default());
-    let shown = Shown { query, saved: &saved, seconds: 0.0, has_rooms: false, detail: Detail::Full };
+    let shown = Shown { query, saved: &saved, seconds: 0.0, has_rooms: false, detail: Detail::Full, is_verbose: false };
     let text = answer_text(&answer, &shown);
     Ok(Some((exit == Exit::Yes, answer.verdict, text)))
 }

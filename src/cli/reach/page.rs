@@ -8,7 +8,7 @@ use crate::sim::{Script, Simulator};
 use crate::view::{Images, cells};
 use crate::watch::Watch;
 
-use super::files::{Saved, nodes, picture, plan};
+use super::files::{Saved, nearest, nodes, picture, plan};
 use super::result::RunResult;
 use super::text::{Detail, Shown, answer_text, with_luck};
 use crate::cli::page::{Moment, Report, Tone, Way, Witness};
@@ -25,7 +25,8 @@ pub(super) fn way(
     let printed = Answer { inputs: None, ..answer.clone() };
     let has_rooms = session.simulator().world().spaces.len() > 1;
     let (query, saved) = (session.query(), &Saved::default());
-    let text = answer_text(&printed, &Shown { query, saved, seconds, has_rooms, detail: Detail::Full });
+    let text =
+        answer_text(&printed, &Shown { query, saved, seconds, has_rooms, detail: Detail::Full, is_verbose: false });
     let mut lines = text.lines().map(|line| line.trim().to_string());
     let first = lines.next().unwrap_or_default();
     let verdict = first.split_once(": ").map_or(first.as_str(), |(_, verdict)| verdict).to_string();
@@ -35,6 +36,11 @@ pub(super) fn way(
     if let Some(plan) = plan(found) {
         way.start = plan.after;
         show(&mut way, answer.kind, sim, (&plan.script, session.query().chance), watch)?;
+    } else if let (Some(script), Some(why)) = (nearest(found, answer), &answer.why_not) {
+        way.witness = Witness::run(sim, (script, session.query().chance), script.len(), watch)?;
+        let text = format!("nearest: {}", why.phrase().unwrap_or_default());
+        let moment = |witness: &Witness| Moment { frame: witness.steps, text, tone: Tone::Open };
+        way.moments.extend(way.witness.as_ref().map(moment));
     }
     way.covered = cells(sim.program(), sim.world_id(), &nodes(found));
     way.picture = Some(picture(session, found, answer, images, watch));

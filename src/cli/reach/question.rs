@@ -23,7 +23,7 @@ const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
 /// The source of predicates of `--never`.
-const NEVER: &str = "--never";
+pub(in crate::cli) const NEVER: &str = "--never";
 
 /// What the arguments add to the program and change in it.
 pub(in crate::cli) struct ReachChanges<'a> {
@@ -168,6 +168,7 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         threads: usize::from(args.threads),
         records: args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
+        explains: !args.explore && args.numbers.sweeps().is_empty(),
         ..Settings::default()
     })
 }
@@ -220,14 +221,14 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
 }
 
 /// The `never`s that the arguments add as questions: they are no rules of the world.
-fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
+pub(in crate::cli) fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
     let is_added = |span: Span| loaded.sources.holds(span) && loaded.sources.file(span.file()).path == Path::new(NEVER);
     let nevers = loaded.program.spans.worlds[world].nevers.pairs();
     nevers.filter(|(_, span)| is_added(**span)).map(|(id, _)| id).collect()
 }
 
 /// Refuses an unknown name of a goal or `never`.
-fn unknown(world: &World, kind: Kind, name: &str, known: &[(Target, &str)]) -> Refusal {
+pub(in crate::cli) fn unknown(world: &World, kind: Kind, name: &str, known: &[(Target, &str)]) -> Refusal {
     let list: Vec<String> = known.iter().map(|(_, known)| format!("`{known}`")).collect();
     Refusal::of(NoQuestion {
         why: format!("no {} `{name}` in `{}`", kind.name(), world.name),

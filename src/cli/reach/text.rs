@@ -4,9 +4,11 @@ use std::io::{self, IsTerminal};
 
 use crate::reach::Conclusion;
 use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
+use crate::reach::why_not::WhyNot;
 use crate::reach::{End, Luck};
 
 use super::files::Saved;
+use super::why_not::why_not_text;
 use crate::cli::args::ReachArgs;
 
 /// `1 step`, `2 steps`
@@ -36,7 +38,12 @@ impl Detail {
         if args.quiet {
             return Detail::Quiet;
         }
-        if args.verbose || !io::stdout().is_terminal() {
+        Detail::on_terminal(args.verbose)
+    }
+
+    /// Whole scripts if they are asked for, else what fits into a line of this standard output.
+    pub fn on_terminal(verbose: bool) -> Detail {
+        if verbose || !io::stdout().is_terminal() {
             return Detail::Full;
         }
         let told = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
@@ -72,6 +79,10 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
     if !answer.reasons.is_empty() {
         notes.push(answer.reasons.join("; "));
     }
+    let is_drawn = |why: &&WhyNot| why.nearest.as_ref().is_some_and(|nearest| nearest.at.step > 0);
+    if let Some(phrase) = answer.why_not.as_ref().filter(is_drawn).and_then(WhyNot::phrase) {
+        notes.push(format!("the line leads to the nearest state: {phrase}"));
+    }
     if let (Some(planner), 1..) = (&answer.answered_by, answer.nodes) {
         let c = &answer.coverage;
         notes.push(format!(
@@ -83,7 +94,7 @@ pub(super) fn notes(answer: &Answer) -> Vec<String> {
 }
 
 /// `, with luck: 1 in 36`; nothing if none is needed.
-pub(super) fn with_luck(luck: Option<&Luck>) -> String {
+pub(in crate::cli) fn with_luck(luck: Option<&Luck>) -> String {
     luck.filter(|luck| !luck.is_none()).map_or(String::new(), |luck| format!(", with luck: {}", luck.words()))
 }
 
@@ -155,11 +166,13 @@ pub(super) struct Shown<'s> {
     /// Whether the world has several spaces.
     pub has_rooms: bool,
     pub detail: Detail,
+    /// Whether all is shown that is known.
+    pub is_verbose: bool,
 }
 
 /// An answer as text.
 pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
-    let Shown { query, saved, seconds, has_rooms, detail } = *shown;
+    let Shown { query, saved, seconds, has_rooms, detail, is_verbose } = *shown;
     let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query, has_rooms));
     if detail == Detail::Quiet {
         return out;
@@ -176,6 +189,7 @@ pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
     if let Some(inputs) = answer.inputs.as_ref().filter(|i| !i.is_empty()) {
         out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));
     }
+    out.push_str(&why_not_text(answer, query, detail, is_verbose, has_rooms));
     if let Some(path) = &saved.inputs {
         out.push_str(&format!("    saved   {}\n", path.display()));
     }

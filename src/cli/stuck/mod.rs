@@ -12,9 +12,7 @@ pub(in crate::cli) use result::json_schema;
 use std::io::{self, Write};
 
 use crate::analysis::watched_space;
-use crate::compile::{Asked, Changes, ExtraQuestion, question_name};
-use crate::diagnostic::catalogue::run::NoQuestion;
-use crate::diagnostic::similar;
+use crate::compile::{Asked, Changes, ExtraQuestion};
 use crate::ir::{ExprId, GoalId, World, WorldId};
 use crate::json::{self, Layout};
 use crate::reach::stuck::{CandidateAnswer, CandidateLimits, ExactAnswer, Gap, Unknown, find_candidates, find_stuck};
@@ -24,6 +22,7 @@ use crate::watch::Watch;
 
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
+use crate::cli::goal::chosen_goal;
 use crate::cli::pictures::images;
 use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, program_sha256, show_fact};
 use crate::cli::watches::{CommandWatch, Interrupt};
@@ -49,7 +48,7 @@ pub(in crate::cli) fn run(args: &StuckArgs) -> io::Result<Exit> {
     let changes = Changes { questions: &questions, numbers: &numbers, ..Changes::default() };
     let Some(loaded) = load_changed(&args.file, args.level.file(), &changes)? else { return Ok(Exit::Refused) };
     let Some(world) = choose_world(&loaded, &args.file, args.world.as_deref())? else { return Ok(Exit::Refused) };
-    let goal = match goal(&loaded.program.worlds[world], args.goal.as_deref()) {
+    let goal = match chosen_goal(&loaded.program.worlds[world], args.goal.as_deref()) {
         Ok(goal) => goal,
         Err(fact) => {
             show_fact(&loaded.sources, fact)?;
@@ -57,34 +56,6 @@ pub(in crate::cli) fn run(args: &StuckArgs) -> io::Result<Exit> {
         }
     };
     answer(args, &loaded, world, goal)
-}
-
-/// The goal of the arguments, or the only one.
-fn goal(world: &World, text: Option<&str>) -> Result<GoalId, NoQuestion> {
-    let names: Vec<&str> = world.goals.iter().map(|goal| goal.name.as_str()).collect();
-    let list = || format!("there is {}", names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "));
-    match text.map(question_name) {
-        Some(name) => world.goal_named(&name).ok_or_else(|| NoQuestion {
-            why: format!("no goal `{name}` in `{}`", world.name),
-            near: similar(&name, names.iter().copied()),
-            help: (!names.is_empty()).then(list),
-        }),
-        None => world.goals.ids().next().filter(|_| names.len() == 1).ok_or_else(|| match names.is_empty() {
-            true => NoQuestion {
-                why: format!("`{}` has no goal", world.name),
-                near: None,
-                help: Some(
-                    "add one, such as `goal arrive: near(hero, (416, 48), 16)`, or ask a predicate with `--goal`"
-                        .into(),
-                ),
-            },
-            false => NoQuestion {
-                why: format!("`{}` has several goals", world.name),
-                near: None,
-                help: Some(format!("choose one with `--goal NAME`; {}", list())),
-            },
-        }),
-    }
 }
 
 /// Asks, and shows the answer.

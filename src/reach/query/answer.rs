@@ -12,6 +12,7 @@ use super::super::coverage::{Count, PLACE};
 use super::super::outcome::{Argument, Cut, End, Outcome, Verdict};
 use super::super::probability::Luck;
 use super::super::problem::Target;
+use super::super::why_not::WhyNot;
 use super::wording::{is_bounded, reasons};
 
 /// What kind of thing is asked for.
@@ -232,6 +233,10 @@ pub struct Answer {
     /// and where a seed fixes what is drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub luck: Option<Luck>,
+    /// What came nearest to a goal that is not reached, and where the way ends. Left out of other answers, and if it was not
+    /// asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why_not: Option<WhyNot>,
 }
 
 impl Answer {
@@ -269,6 +274,7 @@ impl Answer {
             inputs_left_out: false,
             draws_left_out: false,
             luck: None,
+            why_not: None,
         }
     }
 

@@ -16,12 +16,17 @@ use super::super::improve_duration::improve_duration;
 use super::super::luck::only_read;
 use super::super::monitor::{Monitor, Refutation};
 use super::super::outcome::{End, Outcome, Plan, Verdict};
+use super::super::planners::Planner;
 use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
 use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
+use super::super::why_not::{WhyNot, explain};
 use super::answer::{Answer, Counterexample};
+
+/// Number of nodes of the search that looks for what comes nearest to a goal that is proven unreachable.
+const SAMPLE_NODES: u64 = 2_000;
 
 /// The questions about a world, and the search settings.
 #[derive(Debug, Clone)]
@@ -49,6 +54,37 @@ pub struct Query {
 }
 
 impl Query {
+    /// The problem for a target; `None` if the watch stopped the replay of a start.
+    ///
+    /// [`QueryError`] if a start leads nowhere.
+    pub fn problem<'s>(
+        &self,
+        sim: &'s Simulator,
+        target: Target,
+        watch: &dyn Watch,
+    ) -> Result<Option<Problem<'s>>, QueryError> {
+        let Query { min_hold, within, without, asked, after, .. } = self;
+        let mut problem = Problem::asking(sim, target).holding(*min_hold).asking_only(asked);
+        if let Some(seed) = self.chance {
+            problem = problem.foretold(seed);
+        }
+        for never in without {
+            problem = problem.without(sim.world().nevers[*never].holds);
+        }
+        if let Some(steps) = within {
+            problem = problem.within(*steps);
+        }
+        for (index, script) in after.iter().enumerate() {
+            problem = match problem.after_watched(script.clone(), watch) {
+                Ok(problem) => problem,
+                Err(BadStart::Stopped) => return Ok(None),
+                Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
+                Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
+            };
+        }
+        Ok(Some(problem))
+    }
+
     /// A query with the default settings and limits.
     pub fn new(targets: Vec<Target>) -> Self {
         Query {
@@ -251,7 +287,23 @@ impl Session {
         let luck = found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| luck(p, &plan.script, plan.after));
         let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
         let spaces = spaces.unwrap_or_default();
-        Answer { violations, luck, spaces, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+        let why_not = self.why_not(found, sources);
+        Answer { violations, luck, spaces, why_not, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+    }
+
+    /// What came nearest to a target that was not reached, if the search kept it.
+    fn why_not(&self, found: &Found<'_>, sources: &SourceMap) -> Option<WhyNot> {
+        let (problem, nearest) = (found.problem.as_ref()?, found.outcome.nearest.as_ref()?);
+        let is_wanted = match (&found.outcome.verdict, found.target) {
+            (Verdict::Reached(_), _) | (Verdict::Unreachable(_), Target::Never(_)) => false,
+            (Verdict::NotFound | Verdict::Exhausted(_) | Verdict::Unreachable(_), _) => true,
+        };
+        if !is_wanted {
+            return None;
+        }
+        let script = nearest.whole.as_ref().map(|near| &near.script)?;
+        let kept = self.given_steps(script).unwrap_or(0);
+        explain(problem, sources, (nearest, found.outcome.statistics.nodes), kept, &Meter::new(&Unwatched))
     }
 
     /// The spaces that the players are in after a script, each once.
@@ -278,7 +330,19 @@ impl Session {
         let Some(problem) = self.problem(target, watch)? else {
             return Ok(Found { target, problem: None, outcome: Outcome::stopped(settings.planner) });
         };
-        let outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
+        let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
+        if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {
+            let limits = Limits { nodes: limits.nodes.min(SAMPLE_NODES), ..*limits };
+            let settings = Settings { records: false, planner: Planner::Auto, ..*settings };
+            let sample =
+                search(&problem, &self.space, &settings, &limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
+            if matches!(sample.verdict, Verdict::Reached(_)) {
+                // Against the proof: what was replayed counts.
+                outcome = sample;
+            } else if let Some(nearest) = sample.nearest {
+                outcome.nearest = Some(nearest.sampled(sample.statistics.nodes));
+            }
+        }
         Ok(Found { target, problem: Some(problem), outcome })
     }
 
@@ -342,40 +406,12 @@ impl Session {
     }
 
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {
-        problem(&self.sim, &self.query, (target, self.monitor.as_ref()), watch)
+        let problem = self.query.problem(&self.sim, target, watch)?;
+        Ok(problem.map(|problem| match &self.monitor {
+            Some(monitor) => problem.monitored(monitor),
+            None => problem,
+        }))
     }
-}
-
-/// The problem for a target; `None` if the watch stopped the replay of a start.
-fn problem<'s>(
-    sim: &'s Simulator,
-    query: &Query,
-    (target, monitor): (Target, Option<&'s Monitor>),
-    watch: &dyn Watch,
-) -> Result<Option<Problem<'s>>, QueryError> {
-    let Query { min_hold, within, without, asked, after, .. } = query;
-    let mut problem = Problem::asking(sim, target).holding(*min_hold).asking_only(asked);
-    if let Some(monitor) = monitor {
-        problem = problem.monitored(monitor);
-    }
-    if let Some(seed) = query.chance {
-        problem = problem.foretold(seed);
-    }
-    for never in without {
-        problem = problem.without(sim.world().nevers[*never].holds);
-    }
-    if let Some(steps) = within {
-        problem = problem.within(*steps);
-    }
-    for (index, script) in after.iter().enumerate() {
-        problem = match problem.after_watched(script.clone(), watch) {
-            Ok(problem) => problem,
-            Err(BadStart::Stopped) => return Ok(None),
-            Err(BadStart::Fault(fault, step)) => return Err(QueryError::Fault(fault, step)),
-            Err(BadStart::Over(reason, step)) => return Err(QueryError::Over { script: index, reason, step }),
-        };
-    }
-    Ok(Some(problem))
 }
 
 /// Replays a script that was found for a target before, without the analysis. If it still leads there from the initial
@@ -387,7 +423,7 @@ pub fn replay(
     script: &Script,
     watch: &dyn Watch,
 ) -> Option<(Plan, Option<Luck>)> {
-    let problem = problem(sim, query, (target, None), watch).ok()??;
+    let problem = query.problem(sim, target, watch).ok()??;
     let plan = plan_from_script(&problem, script, 0, watch)?;
     let luck = luck(&problem, &plan.script, 0);
     Some((plan, luck))

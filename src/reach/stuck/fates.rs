@@ -29,8 +29,7 @@ pub(super) fn fates(first: &[u32], next: &[u32], is_goal: &[bool], is_gone: &[bo
     // For each of the rest, how many of its successors can go on. None of them arrives.
     let mut left: Vec<u32> = (0..states).map(|state| successors(first, next, state).len() as u32).collect();
     let ends = |state: &u32| left[*state as usize] == 0 || !has_players[*state as usize];
-    let mut open: Vec<u32> =
-        (0..states).filter(|state| fates[*state as usize] == Fate::Stuck && ends(state)).collect();
+    let mut open: Vec<u32> = (0..states).filter(|state| fates[*state as usize] == Fate::Stuck && ends(state)).collect();
     open.iter().for_each(|state| fates[*state as usize] = Fate::Doomed);
     while let Some(state) = open.pop() {
         for &from in successors(&before_first, &before, state) {

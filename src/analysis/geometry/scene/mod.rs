@@ -14,6 +14,7 @@ use crate::ir::{
 
 use crate::watch::{Meter, Watch};
 
+use crate::analysis::domain::unknown::known_or;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::body::{Body, Extent, Kind, Pair, near};
 use crate::analysis::geometry::cells::{Cells, near_statics};
@@ -103,7 +104,7 @@ impl<'a> Scene<'a> {
             let next = numbers.len();
             let number = *numbers.entry((s.entity, s.origin == Origin::Named, params)).or_insert(next);
             if number == scene.kinds.len() {
-                let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| Values::point(*p)).collect());
+                let bodies = scene.bodies(s.entity, &s.params.iter().map(|p| known_or(*p, Values::all())).collect());
                 let can_be_inside = drives_position(program, s.entity);
                 let (slots, appears) = (Vec::new(), false);
                 scene.kinds.push(Kind { entity: s.entity, slots, bodies, can_be_inside, appears, near: None });

@@ -1,0 +1,36 @@
+//! Why a goal was not reached: the states that came nearest to it, and where the way ends.
+//!
+//! A search keeps, for each part of the goal and for the whole, the state that came nearest (`tracker`), by distances that
+//! are cheap to compute (`lack`), and what its first player was seen to do (`gauge`). After the search, `explain` replays the
+//! inputs to these states and describes them. It is a record of what one search saw: it proves nothing.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `lack` | the parts of a goal, and how far each is from holding in a state |
+//! | `contact` | the gap between bodies that have to touch |
+//! | `rooms` | the number of links between rooms |
+//! | `unit` | the units of distances |
+//! | `tracker`, `gauge` | what a search keeps: nearest states, jumps, places of rest |
+//! | `record` | the explanation as plain data |
+//! | `explain` | from what a search kept to the record |
+//! | `way` | where the way in the direction of the goal ends |
+//! | `closed` | rooms and modes that were never entered |
+//! | `words` | distances in words |
+
+mod closed;
+mod contact;
+mod explain;
+mod gauge;
+mod lack;
+mod record;
+mod rooms;
+mod tracker;
+mod unit;
+mod way;
+mod words;
+
+pub use record::{Barrier, ClosedMode, ClosedRoom, NearState, PartNearest, PartState, Point, WayEnd, WhyNot};
+pub use tracker::{Near, Nearest};
+
+pub(super) use explain::explain;
+pub(super) use tracker::Tracker;

@@ -1,0 +1,172 @@
+//! The parts of a goal in a state, in words.
+
+use crate::ir::{Expr, ExprId, Subject};
+use crate::sim::Simulator;
+use crate::source::{SourceMap, on_one_line};
+
+use super::lack::{Atom, Gauge, Term};
+use super::record::PartState;
+use super::unit::Unit;
+
+/// A number as people read it: the smaller, the more digits.
+pub(super) fn shown(number: f64) -> String {
+    let text = match number.abs() {
+        100.0.. => format!("{number:.0}"),
+        10.0.. => format!("{number:.1}"),
+        _ => format!("{number:.2}"),
+    };
+    if !text.contains('.') {
+        return text;
+    }
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_string() } else { text.to_string() }
+}
+
+/// A distance with its unit.
+pub(super) fn distance_words(distance: f64, unit: &str) -> String {
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    if distance > 0.0 && distance < 0.005 {
+        return format!("less than 0.01{unit}");
+    }
+    format!("{}{unit}", shown(distance))
+}
+
+/// Describes parts of a goal.
+pub(super) struct Describer<'a> {
+    pub sim: &'a Simulator,
+    pub sources: &'a SourceMap,
+}
+
+impl Describer<'_> {
+    /// The text of an expression on one line, without comments.
+    pub fn text(&self, id: ExprId) -> String {
+        let span = self.sim.program().spans.exprs[id];
+        if !self.sources.holds(span) {
+            return String::new();
+        }
+        let lines = self.sources.slice(span).lines().filter_map(|line| line.split("//").next());
+        on_one_line(&lines.collect::<Vec<_>>().join(" "))
+    }
+
+    /// A part of a goal in a state; `id` is the expression that it was made of.
+    pub fn part(&self, id: ExprId, term: &Term, state: &[u8]) -> PartState {
+        let (text, part) = (self.text(id), self.term(term, state));
+        let words = part.words.strip_prefix(&format!("`{text}` ")).unwrap_or(&part.words).to_string();
+        PartState { text, words, ..part }
+    }
+
+    fn term(&self, term: &Term, state: &[u8]) -> PartState {
+        let alive = |slot| self.sim.world().layout.slots[slot].alive(state);
+        match term {
+            Term::Atom(atom) => self.atom(atom, state),
+            Term::While(slot, inner) if alive(*slot) => self.term(inner, state),
+            Term::While(slot, _) => {
+                let words = format!("`{}` is gone", self.sim.world().slots[*slot].name);
+                PartState { text: String::new(), holds: false, distance: None, unit: String::new(), words }
+            }
+            Term::Unless(slot, inner) if alive(*slot) => self.term(inner, state),
+            Term::Unless(..) => holds(String::new(), Unit::NONE),
+            Term::All(terms) => {
+                let parts: Vec<PartState> = terms.iter().map(|term| self.term(term, state)).collect();
+                let count = parts.len();
+                let mut missing: Vec<PartState> = parts.into_iter().filter(|part| !part.holds).collect();
+                match missing.len() {
+                    0 => holds(String::new(), Unit::NONE),
+                    1 => inner(missing.swap_remove(0)),
+                    several => PartState {
+                        text: String::new(),
+                        holds: false,
+                        distance: None,
+                        unit: String::new(),
+                        words: format!("{several} of {count} conditions are missing"),
+                    },
+                }
+            }
+            Term::Any(terms) => {
+                let cost = |term: &&Term| term.cost(self.sim, state, f64::INFINITY);
+                let least = terms.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+                least.map_or(holds(String::new(), Unit::NONE), |term| inner(self.term(term, state)))
+            }
+        }
+    }
+
+    fn atom(&self, atom: &Atom, state: &[u8]) -> PartState {
+        let lack = atom.lack(self.sim, state, f64::INFINITY);
+        let not = if atom.wanted { "" } else { "not " };
+        let text = format!("{not}{}", self.text(atom.id));
+        if lack.holds {
+            return holds(text, atom.unit);
+        }
+        let distance = lack.distance.filter(|distance| distance.is_finite());
+        let misses = |distance: f64| format!("misses by {}", distance_words(distance, &atom.unit.name()));
+        let words = match (&atom.gauge, distance) {
+            (Gauge::Var(..) | Gauge::Numbers(..), Some(0.0)) => "is at the limit and has to be beyond it".to_string(),
+            (Gauge::Var(..) | Gauge::Numbers(..), Some(distance)) if atom.unit.is_time() => {
+                let steps = (distance / self.sim.world().step.seconds()).round();
+                format!("{} ({steps} step{})", misses(distance), if steps == 1.0 { "" } else { "s" })
+            }
+            (Gauge::Contact(_), Some(0.0)) => "is there, but does not touch it like that".to_string(),
+            (Gauge::Circle(..), Some(distance)) if !atom.wanted => {
+                format!("is {} too near", distance_words(distance, &atom.unit.name()))
+            }
+            (Gauge::Room(slot, _), distance) => {
+                let room = &self.sim.world().spaces[self.sim.space(state, *slot)].name;
+                match distance {
+                    None => format!("is in `{room}`"),
+                    Some(1.0) => format!("is in `{room}`, a room away"),
+                    Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
+                }
+            }
+            (Gauge::Mode(slot, group, _), _) => {
+                let instance = self.sim.instance(state, *slot);
+                let mode = instance.entity().leaves[instance.leaf(*group)].mode;
+                format!("is in `{}`", instance.entity().modes[mode].path)
+            }
+            (Gauge::Contact(contact), None) if !contact.is_in_room(self.sim, state) => {
+                let space = self.sim.space(state, contact.slot());
+                let room = &self.sim.world().spaces[space].name;
+                match contact.rooms_away(space) {
+                    Some(1) => format!("is in `{room}`, a room away"),
+                    Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
+                    None => "has nothing to touch".to_string(),
+                }
+            }
+            (Gauge::Contact(contact), None) if !contact.has_body(self.sim, state) => {
+                "the body that would touch it is not there".to_string()
+            }
+            (Gauge::Truth, _) => self.value(atom, state).unwrap_or("does not hold".to_string()),
+            (_, Some(distance)) => misses(distance),
+            (_, None) => "does not hold".to_string(),
+        };
+        PartState { text, holds: false, distance, unit: atom.unit.name(), words }
+    }
+
+    /// What a named value is, where it is compared.
+    fn value(&self, atom: &Atom, state: &[u8]) -> Option<String> {
+        let exprs = &self.sim.program().exprs;
+        let named = |id: ExprId| match exprs[id] {
+            Expr::Discrete(Subject::Slot(slot), discrete) => Some((slot, discrete)),
+            _ => None,
+        };
+        let (slot, discrete) = match exprs[atom.id] {
+            Expr::Compare(_, a, b) => named(a).or(named(b))?,
+            _ => named(atom.id)?,
+        };
+        let instance = self.sim.instance(state, slot);
+        let discrete_of = &instance.entity().discretes[discrete];
+        Some(format!("is `{}`", discrete_of.domain.text(instance.discrete(discrete))))
+    }
+}
+
+fn holds(text: String, unit: Unit) -> PartState {
+    PartState { text, holds: true, distance: Some(0.0), unit: unit.name(), words: "holds".to_string() }
+}
+
+/// A part of a part, which the text around it does not name.
+fn inner(mut part: PartState) -> PartState {
+    if !part.text.is_empty() && !part.holds {
+        part.words = format!("`{}` {}", part.text, part.words);
+        part.text = String::new();
+    }
+    part
+}

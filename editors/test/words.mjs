@@ -27,7 +27,7 @@ const types = JSON.parse(readFileSync(join(grammar, 'src/node-types.json'), 'utf
 const anonymous = types.filter(({ type, named }) => !named && /^[a-z]+$/.test(type)).map(({ type }) => `"${type}"`);
 const query = `
 [${anonymous.join(' ')}] @word
-[(timer) (true) (false) (none) (self) (instant) (hold) (bool_domain)] @word
+[(timer) (true) (false) (none) (self) (instant) (hold) (end) (bool_domain)] @word
 (identifier) @name
 (call function: (identifier) @called)
 `;

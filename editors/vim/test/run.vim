@@ -14,7 +14,7 @@ syntax on
 let s:wrong = []
 let s:WORD = '^hyped\%(OperatorWord\|Boolean\|Constant\|Variable\|Conditional\|Statement\|Follow\|Import\|Structure\|SpaceWord'
       \ . '\|Member\|Modifier\|Declaration\|DomainWord\|Envelope\|DriverWord\|Directions\|Fixed\|Ramp\|Rate\|Sustained\|Level'
-      \ . '\|Item\|Times\|With\|ResponseWord\|Place\|MapWord\|TileWord\)$'
+      \ . '\|Item\|Times\|With\|ResponseWord\|Place\|MapWord\|TileWord\|TestWord\|Claim\|Moment\)$'
 
 function s:Group(line, byte) abort
   return synIDattr(synID(a:line, a:byte, 1), 'name')

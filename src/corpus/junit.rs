@@ -89,9 +89,7 @@ fn properties(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
 
 fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
     let name = printable(&format!("{}, {} {}", row.key().level_name(), row.answer.kind.name(), row.answer.goal));
-    let stem = Path::new(&row.file).file_stem().unwrap_or_default().to_string_lossy();
-    // Readers interpret the text before the last dot as a folder.
-    let class = printable(&format!("{}.{}", stem.replace('.', "_"), row.world));
+    let class = class_name(&row.file, &row.world);
     let time = seconds(row.timing.seconds);
     let case = out.create_element("testcase").with_attributes([("name", name.as_str()), ("classname", &class)]);
     let case = case.with_attribute(("time", time.as_str()));
@@ -118,6 +116,13 @@ fn case(out: &mut Writer<Vec<u8>>, row: &Row) -> io::Result<()> {
         Ok(())
     })?;
     Ok(())
+}
+
+/// The class of the cases of a world of a file.
+pub(crate) fn class_name(file: &str, world: &str) -> String {
+    let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+    // Readers interpret the text before the last dot as a folder.
+    printable(&format!("{}.{world}", stem.replace('.', "_")))
 }
 
 /// Seconds as an attribute.

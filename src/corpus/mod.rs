@@ -11,6 +11,6 @@ mod row;
 pub use baseline::{Change, Comparison, Flip, LengthChange, Unpaired};
 pub use formats::{CSV_HEADER, csv_line, summary, table};
 pub use junit::junit;
-pub(crate) use junit::{printable, seconds};
+pub(crate) use junit::{class_name, printable, seconds};
 pub use record::{BadRecord, Record, StoredRow};
 pub use row::{Key, ROW_VERSION, Row, Settings, Timing};

@@ -1,6 +1,6 @@
 //! What a guard is worth in the first state of an instance, where its modes and values tell.
 
-use crate::ir::{CompareOp, ModeId, Subject};
+use crate::ir::{ModeId, Subject, compare};
 use crate::sema::checked::{Entity, Instance, Term, TermKind};
 use crate::sema::{ConstantContext, evaluate};
 
@@ -22,15 +22,7 @@ impl Placed<'_> {
             TermKind::InMode(Subject::Me, mode) => self.is_in(*mode),
             TermKind::Compare(op, operands) => {
                 let [a, b] = operands.each_ref().map(|operand| self.number(operand));
-                let (a, b) = (a?, b?);
-                Some(match op {
-                    CompareOp::Equal => a == b,
-                    CompareOp::Unequal => a != b,
-                    CompareOp::Less => a < b,
-                    CompareOp::AtMost => a <= b,
-                    CompareOp::Greater => a > b,
-                    CompareOp::AtLeast => a >= b,
-                })
+                Some(compare(*op, a?, b?))
             }
             _ => self.number(term).map(|value| value != 0.0),
         }

@@ -31,6 +31,13 @@ impl Luck {
     /// None is needed.
     const NONE: Luck = Luck { probability: 1.0, is_exact: true, fraction: Some((1, 1)) };
 
+    /// The luck that a script needs after its first `kept` steps where nature draws and the search chose what; `None` if
+    /// it did not.
+    pub fn chosen(problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
+        let is_chosen = !problem.sim.draws().is_empty() && !problem.is_foretold();
+        is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
+    }
+
     /// The luck that a script needs after its first `kept` steps; `None` if it cannot be run. After the last step, what
     /// counts is that the target holds.
     pub fn of(problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {

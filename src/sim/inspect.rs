@@ -27,21 +27,6 @@ impl<'a> Instance<'a> {
     }
 }
 
-impl Simulator {
-    /// The value of an expression of the world in a state, as a goal reads it; truth is 1.
-    ///
-    /// # Errors
-    /// A [`Fault`] if the expression breaks a rule.
-    pub fn world_value(&self, state: &[u8], expression: ExprId) -> Result<f64, Fault> {
-        let fault = Cell::new(None);
-        let value = self.world_reader(state, &fault).number(expression);
-        match fault.get() {
-            Some(fault) => Err(fault),
-            None => Ok(value),
-        }
-    }
-}
-
 /// What a step reads: a state and the input of the step.
 pub struct Inspection<'a> {
     sim: &'a Simulator,

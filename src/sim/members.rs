@@ -75,13 +75,8 @@ impl Simulator {
     }
 
     /// The distance of an instance to a point, by the shorter way if its space wraps, px.
-    pub fn distance_to(&self, state: &[u8], slot: SlotId, point: (f64, f64)) -> f64 {
-        self.distance(state, slot, point)
-    }
-
-    /// As [`Simulator::distance_to`].
     #[inline]
-    pub(super) fn distance(&self, state: &[u8], slot: SlotId, (x, y): (f64, f64)) -> f64 {
+    pub fn distance(&self, state: &[u8], slot: SlotId, (x, y): (f64, f64)) -> f64 {
         let (px, py) = self.position(state, slot);
         let (mut dx, mut dy) = (px - x, py - y);
         if let Some(seams) = &self.collision.seams {

@@ -2,12 +2,11 @@
 //! case for each test.
 
 use std::io;
-use std::path::Path;
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
-use crate::corpus::{printable, seconds};
+use crate::corpus::{class_name, printable, seconds};
 
 use super::record::TestResult;
 
@@ -51,9 +50,7 @@ fn suite(out: &mut Writer<Vec<u8>>, results: &[&TestResult]) -> io::Result<()> {
 }
 
 fn case(out: &mut Writer<Vec<u8>>, result: &TestResult) -> io::Result<()> {
-    let stem = Path::new(&result.file).file_stem().unwrap_or_default().to_string_lossy();
-    // Readers interpret the text before the last dot as a folder.
-    let class = printable(&format!("{}.{}", stem.replace('.', "_"), result.world));
+    let class = class_name(&result.file, &result.world);
     let (name, time) = (printable(&result.test), seconds(result.seconds));
     let case = out.create_element("testcase").with_attributes([("name", name.as_str()), ("classname", &class)]);
     let case = case.with_attribute(("time", time.as_str()));
@@ -63,11 +60,8 @@ fn case(out: &mut Writer<Vec<u8>>, result: &TestResult) -> io::Result<()> {
     }
     case.write_inner_content(|out| {
         let mut failed = result.problems.clone();
-        let line = |path: &str, line: usize| format!("{path}:{line}");
         let claims = result.claims.iter().filter(|claim| !claim.passed);
-        failed.extend(claims.map(|claim| {
-            format!("{}: `{}`: {}", line(&claim.place.path, claim.place.line), claim.claim, claim.answer)
-        }));
+        failed.extend(claims.map(|claim| format!("{}: `{}`: {}", claim.place, claim.claim, claim.answer)));
         let message = failed.first().map(|first| printable(first)).unwrap_or_default();
         let element = out.create_element("failure").with_attribute(("message", message.as_str()));
         let text = printable(&failed.join("\n"));

@@ -3,9 +3,8 @@
 use crate::analysis::watched_space;
 use crate::compile::NumberSetting;
 use crate::diagnostic::{Diagnostics, render};
-use crate::ir::ExprId;
 use crate::reach::query::{QueryError, Session};
-use crate::reach::{Conclusion, Luck, Problem, Target, Verdict, improve_duration, plan_from_script};
+use crate::reach::{Conclusion, Luck, Target, Verdict, improve_duration, plan_from_script};
 use crate::sim::{Input, Script, Simulator};
 use crate::watch::Watch;
 
@@ -112,9 +111,7 @@ impl<'h> Oracle<'h> {
             let problem = target.and_then(|target| query.problem(&sim, target, watch).ok().flatten());
             let Some(problem) = problem else { return };
             let Some(plan) = plan_from_script(&problem, &way, 0, watch) else { return };
-            let rules = sim.world().nevers.pairs().filter(|(id, _)| !query.asked.contains(id));
-            let rules: Vec<ExprId> = rules.map(|(_, never)| never.holds).collect();
-            let space = watched_space(&built.program, built.world, &rules, watch);
+            let space = watched_space(&built.program, built.world, &query.rules(sim.world()), watch);
             let found = improve_duration(&problem, &space, &query.settings, &query.limits, &plan, watch);
             faster = (found.steps < plan.steps).then_some(found.script);
         });
@@ -235,18 +232,12 @@ impl<'h> Oracle<'h> {
             steps: Some(plan.steps),
             seconds_of_play: Some(plan.steps as f64 * sim.world().step.seconds()),
             inputs: Some(plan.script.text(&built.program, built.world)),
-            luck: luck(&sim, &problem, &plan.script),
+            luck: Luck::chosen(&problem, &plan.script, 0),
             path_of: Some(of),
             ..blank(values)
         };
         Some((trial, plan.script))
     }
-}
-
-/// The luck of a way, in a world in which nature draws.
-pub(super) fn luck(sim: &Simulator, problem: &Problem<'_>, way: &Script) -> Option<Luck> {
-    let is_chosen = !sim.draws().is_empty() && !problem.is_foretold();
-    is_chosen.then(|| Luck::of(problem, way, 0)).flatten()
 }
 
 /// A way whose last input is held, then released.

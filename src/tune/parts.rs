@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::analysis::{ConfigurationSpace, Interval, ParamRange, Varied};
-use crate::ir::{EntityId, ExprId, Id, IdVec, Layout, ParamId, Program, World, WorldId};
+use crate::ir::{EntityId, Expr, Id, IdVec, Layout, ParamId, Program, World, WorldId};
 use crate::json;
 use crate::reach::query::ProofMethod;
 use crate::reach::{Conclusion, Limits, Monitor, Refutation, Target, search};
@@ -102,9 +102,8 @@ impl Oracle<'_> {
         let table = &built.program.worlds[built.world];
         let varied = Varied::new(&built.program, built.world, &[range])?;
         // As for one value: a `never` counts in the state that ends the run, too.
-        let rules = table.nevers.pairs().filter(|(id, _)| !query.asked.contains(id)).map(|(_, never)| never.holds);
-        let (varied, rules, holds): (Varied, Vec<ExprId>, ExprId) = match *query.targets.first()? {
-            Target::Goal(goal) => (varied, rules.collect(), table.goals[goal].holds),
+        let (varied, rules, holds) = match *query.targets.first()? {
+            Target::Goal(goal) => (varied, query.rules(table), table.goals[goal].holds),
             Target::Never(never) => (varied.endless(), Vec::new(), table.nevers[never].holds),
         };
         let space = varied.space(&rules, watch);
@@ -206,7 +205,7 @@ fn range(low: &Built, high: &Built, axis: &Axis) -> Option<ParamRange> {
 fn comparable(program: &Program, world: WorldId, (entity, param): (EntityId, ParamId)) -> Option<Vec<u8>> {
     let mut program = program.meaning();
     let default = program.entities[entity].params[param].default;
-    program.exprs[default] = crate::ir::Expr::Number(0.0);
+    program.exprs[default] = Expr::Number(0.0);
     let table: &mut World = Arc::make_mut(&mut program.worlds[world]);
     table.layout = Layout::default();
     for slot in table.slots.iter_mut().filter(|slot| slot.entity == entity) {

@@ -1,10 +1,12 @@
 //! The search for the smallest change: samples over the whole range, then ever closer between a value that turns the
 //! answer and one that does not.
 
+use crate::reach::Conclusion;
+
 use super::axis::{Way, joint_ways, single_ways};
 use super::oracle::Oracle;
 use super::record::{Change, Part, Tuned};
-use super::{Host, Question};
+use super::{Host, Question, Wanted};
 
 /// How often the way of the smallest change on a way of changes is made faster.
 const MAX_IMPROVEMENTS: usize = 6;
@@ -43,11 +45,10 @@ pub fn tune(host: &dyn Host, question: &Question) -> Tuned {
 fn withdraw(found: &mut Tuned, question: &Question) {
     found.parts.clear();
     for trial in found.trials.iter_mut().filter(|trial| trial.proven_by.is_some()) {
-        let proof = trial.proven_by.take();
-        trial.verdict = crate::reach::Conclusion::NotAnswered;
+        trial.proven_by = None;
+        trial.verdict = Conclusion::NotAnswered;
         trial.reasons.clear();
-        trial.is_wanted &= question.wanted == super::Wanted::Reached;
-        let _ = proof;
+        trial.is_wanted &= question.wanted == Wanted::Reached;
     }
 }
 

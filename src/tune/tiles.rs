@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::watched_space;
-use crate::ir::{Bounds, ExprId, Origin, Program, Push, SpaceId, TagId, TagSet, TileKind, World};
+use crate::ir::{Bounds, Origin, Program, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId, World};
 use crate::reach::query::{Query, Session};
 use crate::reach::{
     Conclusion, Limits, Luck, Problem, Settings, Verdict, Visited, distance_to_goal, plan_from_script, search,
@@ -17,7 +17,6 @@ use crate::reach::{
 use crate::sim::{Script, Simulator};
 use crate::watch::Watch;
 
-use super::oracle::luck;
 use super::{Built, Wanted};
 
 /// Number of nodes of the search for one set of tiles.
@@ -441,25 +440,19 @@ fn quick(question: &TileQuestion, built: &Built, nodes: u64, watch: &dyn Watch) 
     let query = &question.query;
     let sim = Simulator::new(&built.program, built.world);
     let problem = query.problem(&sim, *query.targets.first()?, watch).ok()??;
-    let space = watched_space(&built.program, built.world, &rules(query, built), watch);
+    let space = watched_space(&built.program, built.world, &query.rules(sim.world()), watch);
     let settings = Settings { records: true, ..query.settings };
     let limits = Limits { nodes: nodes.min(query.limits.nodes), ..query.limits };
     let outcome = search(&problem, &space, &settings, &limits, watch).ok()?;
     let way = match &outcome.verdict {
         Verdict::Reached(plan) => {
             let text = plan.script.text(&built.program, built.world);
-            Some((plan.script.clone(), text, luck(&sim, &problem, &plan.script)))
+            Some((plan.script.clone(), text, Luck::chosen(&problem, &plan.script, 0)))
         }
         _ => None,
     };
     let far = distance_to_goal(&problem, &outcome.record).unwrap_or(0.0);
     Some(Quick { way, score: (far, outcome.covered.all.places), places: outcome.record })
-}
-
-/// The predicates of the `never`s that end a run.
-fn rules(query: &Query, built: &Built) -> Vec<ExprId> {
-    let nevers = built.program.worlds[built.world].nevers.pairs().filter(|(id, _)| !query.asked.contains(id));
-    nevers.map(|(_, never)| never.holds).collect()
 }
 
 /// `column 8, row 5`
@@ -480,7 +473,7 @@ fn place(world: &World, edit: &TileEdit) -> Option<(SpaceId, Bounds)> {
 fn boxes<'p>(
     program: &'p Program,
     world: &'p World,
-    slot: crate::ir::SlotId,
+    slot: SlotId,
 ) -> impl Iterator<Item = Bounds> + use<'p> {
     let slot = &world.slots[slot];
     let number = move |id| program.constant(id, &slot.params, world.step);
@@ -517,7 +510,7 @@ pub fn tile_edits(built: &Built, change: TileChange, symbol: Option<char>) -> Re
             .pairs()
             .filter(|(_, slot)| slot.origin != Origin::Free && world.spaces[slot.space].name == space.name)
             .flat_map(|(id, slot)| {
-                let at = crate::ir::VarId::XY.map(|var| slot.vars[var][0]);
+                let at = VarId::XY.map(|var| slot.vars[var][0]);
                 boxes(program, world, id).map(move |body| body.placed((at[0], at[1]))).collect::<Vec<_>>()
             })
             .collect();

@@ -11,7 +11,7 @@ use super::step::{atom_text, atoms_of};
 pub fn predicate_atoms(sim: &Simulator, sources: &SourceMap, state: &[u8], predicate: ExprId) -> Vec<Atom> {
     let program = sim.program();
     let atom = |id: ExprId| {
-        let held = sim.world_value(state, id).ok().map(|value| value != 0.0);
+        let held = sim.number(state, id).ok().map(|value| value != 0.0);
         // That an instance is there is a part that nobody wrote.
         if matches!(program.exprs[id], Expr::Alive(_)) && held == Some(true) {
             return None;
@@ -26,7 +26,7 @@ pub fn predicate_atoms(sim: &Simulator, sources: &SourceMap, state: &[u8], predi
 pub fn predicate_distance(sim: &Simulator, state: &[u8], predicate: ExprId) -> (usize, f64) {
     let (mut missing, mut distance) = (0, 0.0);
     for id in atoms_of(sim.program(), predicate) {
-        if sim.world_value(state, id).is_ok_and(|value| value != 0.0) {
+        if sim.number(state, id).is_ok_and(|value| value != 0.0) {
             continue;
         }
         missing += 1;
@@ -45,6 +45,6 @@ fn sides(sim: &Simulator, state: &[u8], id: ExprId) -> Option<[f64; 2]> {
         _ => id,
     };
     let Expr::Compare(_, a, b) = exprs[compared] else { return None };
-    let side = |id| sim.world_value(state, id).ok();
+    let side = |id| sim.number(state, id).ok();
     side(a).zip(side(b)).map(|(a, b)| [a, b])
 }

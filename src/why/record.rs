@@ -1,6 +1,8 @@
 //! The records of an instance at a step, which the page of a play session and `hypedc why` share: modes and values, contacts,
 //! and of each edge that was considered whether its guard held, part by part.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// A place in a file: lines and columns from 1, columns in UTF-16 code units.
@@ -17,6 +19,13 @@ pub struct Place {
     pub end_line: usize,
     /// Column after its last character.
     pub end_column: usize,
+}
+
+/// Its file and its first line: `game.hyped:12`.
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.path, self.line)
+    }
 }
 
 /// An instance at the current frame.

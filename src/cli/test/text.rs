@@ -101,7 +101,7 @@ pub(super) fn coverage(coverage: &CoverageResult) -> String {
     open.sort_by_key(|(place, _)| key(place));
     let rest = open.len().saturating_sub(MAX_PLACES);
     for (place, words) in open.iter().take(MAX_PLACES) {
-        out.push_str(&format!("  {}:{}: {words}\n", place.path, place.line));
+        out.push_str(&format!("  {place}: {words}\n"));
     }
     if rest > 0 {
         out.push_str(&format!("  and {} more\n", counted(rest as u64, "place")));

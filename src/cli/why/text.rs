@@ -42,7 +42,7 @@ fn since(step: u64, at: u64) -> String {
 
 /// `, FILE:LINE`
 fn line(place: Option<&Place>) -> String {
-    place.map_or(String::new(), |place| format!("{}:{}", place.path, place.line))
+    place.map_or(String::new(), Place::to_string)
 }
 
 /// `12.5 and 20`: the sides of a comparison, unless both are written as numbers anyway.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::analysis::{ConfigurationSpace, watched_space};
-use crate::ir::{ExprId, NeverId, Program, WorldId};
+use crate::ir::{ExprId, NeverId, Program, World, WorldId};
 use crate::sim::{Fault, Script, Simulator};
 use crate::source::SourceMap;
 use crate::watch::{Meter, Unwatched, Watch};
@@ -83,6 +83,12 @@ impl Query {
             };
         }
         Ok(Some(problem))
+    }
+
+    /// The predicates of the `never`s of a world that end a run.
+    pub fn rules(&self, world: &World) -> Vec<ExprId> {
+        let nevers = world.nevers.pairs().filter(|(id, _)| !self.asked.contains(id));
+        nevers.map(|(_, never)| never.holds).collect()
     }
 
     /// A query with the default settings and limits.
@@ -174,10 +180,7 @@ impl Found<'_> {
 impl Session {
     /// Analyses a world; if the watch stops it, everything counts as possible.
     pub fn new(program: &Arc<Program>, world: WorldId, query: Query, watch: &dyn Watch) -> Self {
-        // A run is over where a `never` holds.
-        let nevers = program.worlds[world].nevers.pairs().filter(|(id, _)| !query.asked.contains(id));
-        let nevers: Vec<ExprId> = nevers.map(|(_, never)| never.holds).collect();
-        let space = watched_space(program, world, &nevers, watch);
+        let space = watched_space(program, world, &query.rules(&program.worlds[world]), watch);
         Session::with_space(program, world, query, space)
     }
 
@@ -280,11 +283,11 @@ impl Session {
                 never: self.sim.world().nevers[*never].name.clone(),
                 steps: script.len(),
                 inputs: script.text(program, world),
-                luck: problem.and_then(|problem| luck(&problem, script, kept)),
+                luck: problem.and_then(|problem| Luck::chosen(&problem, script, kept)),
             }
         });
         let violations = violations.collect();
-        let luck = found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| luck(p, &plan.script, plan.after));
+        let luck = found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| Luck::chosen(p, &plan.script, plan.after));
         let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
         let spaces = spaces.unwrap_or_default();
         let why_not = self.why_not(found, sources);
@@ -425,12 +428,6 @@ pub fn replay(
 ) -> Option<(Plan, Option<Luck>)> {
     let problem = query.problem(sim, target, watch).ok()??;
     let plan = plan_from_script(&problem, script, 0, watch)?;
-    let luck = luck(&problem, &plan.script, 0);
+    let luck = Luck::chosen(&problem, &plan.script, 0);
     Some((plan, luck))
-}
-
-/// The luck that a script needs, where nature draws and a search chose it.
-fn luck(problem: &Problem<'_>, script: &Script, kept: u64) -> Option<Luck> {
-    let is_chosen = !problem.sim.draws().is_empty() && !problem.is_foretold();
-    is_chosen.then(|| Luck::of(problem, script, kept)).flatten()
 }

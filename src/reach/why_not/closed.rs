@@ -5,25 +5,18 @@ use std::cmp::Ordering;
 
 use crate::ir::{EdgeId, Id, LeafId, ModeId, SlotId, SpaceId};
 use crate::sim::Script;
-use crate::source::{SourceMap, Span};
-use crate::why::{NearlyEdge, nearly};
+use crate::source::SourceMap;
+use crate::why::{NearlyEdge, Place, nearly, place};
 
 use super::super::problem::Problem;
 use super::gauge::Seen;
 use super::lack::{Gauge, Parts};
-use super::record::{ClosedMode, ClosedRoom};
-use super::words::{Describer, distance_words};
+use super::record::{ClosedMode, ClosedRoom, PartState};
+use super::unit::Unit;
+use super::words::{Describer, distance_words, holds};
 
 /// Maximum number of rooms, and of modes.
 const MAX_CLOSED: usize = 16;
-
-/// `FILE:LINE` of a span.
-fn place(sources: &SourceMap, span: Span) -> Option<String> {
-    sources.holds(span).then(|| {
-        let file = sources.file(span.file());
-        format!("{}:{}", file.path.display(), file.line_column_utf16(span.start() as usize).0)
-    })
-}
 
 /// The rooms that the first player never entered, those behind a link first; `near` is the nearest state.
 pub(super) fn closed_rooms(
@@ -50,21 +43,17 @@ pub(super) fn closed_rooms(
             match first {
                 Some(part) if part.text == text => part,
                 Some(part) => {
-                    super::record::PartState { words: format!("`{}` {}", part.text, part.words), text, ..part }
+                    PartState { words: format!("`{}` {}", part.text, part.words), text, ..part }
                 }
-                None => super::record::PartState {
-                    text,
-                    holds: true,
-                    distance: Some(0.0),
-                    unit: String::new(),
-                    words: "holds".to_string(),
-                },
+                None => holds(text, Unit::NONE),
             }
         });
         ClosedRoom {
             room: space.name.clone(),
             from: Some(world.spaces[from].name.clone()),
-            place: span.and_then(|span| place(describer.sources, *span)),
+            place: span
+                .filter(|span| describer.sources.holds(**span))
+                .map(|span| place(describer.sources, *span).to_string()),
             guard,
         }
     });
@@ -166,7 +155,7 @@ impl Asker<'_> {
             is_asked,
             mode: found.mode.clone()?,
             from: nearest.from.clone(),
-            place: nearest.place.as_ref().map(|place| format!("{}:{}", place.path, place.line)),
+            place: nearest.place.as_ref().map(Place::to_string),
             // Where nothing has a distance, no step is nearer than another.
             step: nearest.step.filter(|_| nearest.missing.iter().any(|missing| missing.distance.is_some())),
             missing: missing.collect(),

@@ -1,7 +1,9 @@
 //! What a goal lacks in a state: its parts, each with how far it is from holding. Searches ask this of every state, so
 //! that the common parts (a variable against a number) are read directly, and nothing is allocated.
 
-use crate::ir::{Arithmetic, CompareOp, Expr, ExprId, Id, LeafId, Program, SlotId, Subject, VarId, World};
+use crate::ir::{
+    Arithmetic, CompareOp, Domain, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, Subject, VarId, World, compare,
+};
 use crate::sim::Simulator;
 
 use super::super::problem::Problem;
@@ -62,7 +64,7 @@ pub(super) enum Gauge {
     /// The number of rooms to another one, by room; `u32::MAX` if no way is known.
     Room(SlotId, Vec<u32>),
     /// The number of edges to a mode, by leaf.
-    Mode(SlotId, crate::ir::GroupId, Vec<u32>),
+    Mode(SlotId, GroupId, Vec<u32>),
     /// True or false.
     Truth,
 }
@@ -166,7 +168,7 @@ impl Atom {
     fn cost(&self, sim: &Simulator, state: &[u8], limit: f64) -> f64 {
         if let Gauge::Var(slot, var, degree, op, bound) = &self.gauge {
             let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
-            return if holds(*op, value, *bound) { 0.0 } else { LEAST + (value - bound).abs() * self.weight };
+            return if compare(*op, value, *bound) { 0.0 } else { LEAST + (value - bound).abs() * self.weight };
         }
         self.lack(sim, state, limit).cost
     }
@@ -180,15 +182,15 @@ impl Atom {
         let lack = match &self.gauge {
             Gauge::Var(slot, var, degree, op, bound) => {
                 let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
-                Ok(Lack::by(holds(*op, value, *bound), (value - bound).abs(), self.unit))
+                Ok(Lack::by(compare(*op, value, *bound), (value - bound).abs(), self.unit))
             }
             Gauge::Numbers(op, a, b, beyond) => number(*a).and_then(|a| {
                 let b = number(*b)?;
-                Ok(Lack::by(holds(*op, a, b), (a - b).abs() + beyond, self.unit))
+                Ok(Lack::by(compare(*op, a, b), (a - b).abs() + beyond, self.unit))
             }),
             Gauge::Circle(slot, [x, y, radius]) => number(*x).and_then(|x| {
                 let (y, radius) = (number(*y)?, number(*radius)?);
-                let away = sim.distance_to(state, *slot, (x, y));
+                let away = sim.distance(state, *slot, (x, y));
                 Ok(Lack::by(truth()?, (away - radius).abs(), self.unit))
             }),
             Gauge::Contact(contact) => truth().map(|holds| match holds {
@@ -212,33 +214,6 @@ impl Atom {
             Gauge::Truth => truth().map(Lack::truth),
         };
         lack.unwrap_or(Lack::unmeasured(f64::INFINITY))
-    }
-}
-
-fn holds(op: CompareOp, a: f64, b: f64) -> bool {
-    crate::ir::compare(op, a, b)
-}
-
-/// The comparison that holds where another one does not; numbers that are compared are finite.
-fn inverse(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal => CompareOp::Unequal,
-        CompareOp::Unequal => CompareOp::Equal,
-        CompareOp::Less => CompareOp::AtLeast,
-        CompareOp::AtMost => CompareOp::Greater,
-        CompareOp::Greater => CompareOp::AtMost,
-        CompareOp::AtLeast => CompareOp::Less,
-    }
-}
-
-/// The comparison with its sides exchanged.
-fn exchanged(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal | CompareOp::Unequal => op,
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::AtMost => CompareOp::AtLeast,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::AtLeast => CompareOp::AtMost,
     }
 }
 
@@ -297,7 +272,7 @@ impl Builder<'_> {
         let unmeasured = (Gauge::Truth, Unit::NONE);
         match self.program.exprs[id] {
             Expr::Compare(op, a, b) => {
-                let op = if wanted { op } else { inverse(op) };
+                let op = if wanted { op } else { op.negated() };
                 let unit = unit_of(self.program, a).or(unit_of(self.program, b));
                 if op == CompareOp::Unequal || self.is_named(a) || self.is_named(b) {
                     return unmeasured;
@@ -305,7 +280,7 @@ impl Builder<'_> {
                 let gauge = match (self.variable(a), self.constant(b), self.variable(b), self.constant(a)) {
                     (Some((slot, var, degree)), Some(bound), ..) => Gauge::Var(slot, var, degree, op, bound),
                     (_, _, Some((slot, var, degree)), Some(bound)) => {
-                        Gauge::Var(slot, var, degree, exchanged(op), bound)
+                        Gauge::Var(slot, var, degree, op.mirrored(), bound)
                     }
                     _ => {
                         let is_strict = matches!(op, CompareOp::Less | CompareOp::Greater);
@@ -337,7 +312,7 @@ impl Builder<'_> {
     fn is_named(&self, id: ExprId) -> bool {
         let Expr::Discrete(Subject::Slot(slot), discrete) = self.program.exprs[id] else { return false };
         let entity = &self.program.entities[self.world.slots[slot].entity];
-        !matches!(entity.discretes[discrete].domain, crate::ir::Domain::Int)
+        !matches!(entity.discretes[discrete].domain, Domain::Int)
     }
 
     /// Whether its values are whole numbers.
@@ -362,7 +337,7 @@ impl Builder<'_> {
     }
 
     fn constant(&self, id: ExprId) -> Option<f64> {
-        self.program.constant(id, &crate::ir::IdVec::new(), self.world.step)
+        self.program.constant(id, &IdVec::new(), self.world.step)
     }
 }
 
@@ -371,7 +346,7 @@ fn hops_to(
     program: &Program,
     world: &World,
     slot: SlotId,
-    group: crate::ir::GroupId,
+    group: GroupId,
     is_wanted: impl Fn(LeafId) -> bool,
 ) -> Vec<u32> {
     let entity = &program.entities[world.slots[slot].entity];

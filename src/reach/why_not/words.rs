@@ -158,7 +158,8 @@ impl Describer<'_> {
     }
 }
 
-fn holds(text: String, unit: Unit) -> PartState {
+/// A part that holds.
+pub(super) fn holds(text: String, unit: Unit) -> PartState {
     PartState { text, holds: true, distance: Some(0.0), unit: unit.name(), words: "holds".to_string() }
 }
 

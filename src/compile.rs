@@ -25,7 +25,7 @@ use crate::syntax::occurrence::{Occurrence, Occurrences};
 pub use crate::sema::checked::When;
 pub use crate::syntax::ast::SearchKind;
 pub use changes::{
-    Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, WrittenNumber, is_name, question_name,
+    Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, WrittenNumber, added_nevers, is_name, question_name,
     written_number,
 };
 

@@ -1,6 +1,7 @@
 //! Files on the disk. Everything that the command line reads comes through here: only regular files of bounded size, as
 //! a device has no end and opening a pipe blocks.
 
+use std::collections::BTreeMap;
 use std::fs::{File, FileType};
 use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
@@ -30,6 +31,26 @@ impl Files for Disk {
             Ok(()) if begin == PNG => None,
             _ => Some("it is no PNG file".to_string()),
         }
+    }
+}
+
+/// The files on the disk, of which some have another text.
+#[derive(Default)]
+pub(super) struct Changed {
+    pub texts: BTreeMap<PathBuf, String>,
+}
+
+impl Files for Changed {
+    fn read(&self, path: &Path) -> Result<String, ReadError> {
+        self.texts.get(path).map_or_else(|| Disk.read(path), |text| Ok(text.clone()))
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        Disk.identity(path)
+    }
+
+    fn bad_picture(&self, path: &Path) -> Option<String> {
+        Disk.bad_picture(path)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Shows findings, and loads runnable programs from a file and a world's name.
 
+use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -37,6 +38,15 @@ pub(super) fn show_fact(sources: &SourceMap, fact: impl Fact) -> io::Result<()> 
 /// An error that belongs to no file.
 pub(super) fn plain_error(message: &str) -> io::Result<()> {
     writeln!(io::stderr(), "error: {message}")
+}
+
+/// Writes a file; reports why it cannot be written.
+pub(super) fn written(path: &Path, text: &str) -> io::Result<bool> {
+    if let Err(error) = fs::write(path, text) {
+        plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+        return Ok(false);
+    }
+    Ok(true)
 }
 
 /// A program that compiled, and its files.

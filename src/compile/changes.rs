@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, similar};
+use crate::ir::{NeverId, Program, WorldId};
 use crate::source::{Files, SourceMap, Span, on_one_line};
 use crate::syntax;
 use crate::syntax::Number;
@@ -139,6 +140,13 @@ fn read(
     diagnostics.append(found);
     let name = Name { text: name.into(), span: Span::new(file, 0, predicate.len()) };
     read.map(|predicate| Question { name, predicate })
+}
+
+/// The `never`s that were added to a world as questions from a source: they are no rules of it.
+pub fn added_nevers(program: &Program, sources: &SourceMap, world: WorldId, origin: &str) -> Vec<NeverId> {
+    let is_added = |span: Span| sources.holds(span) && sources.file(span.file()).path == Path::new(origin);
+    let nevers = program.spans.worlds[world].nevers.pairs();
+    nevers.filter(|(_, span)| is_added(**span)).map(|(id, _)| id).collect()
 }
 
 /// A number of a program as it is written.

@@ -28,6 +28,12 @@ impl PositionBox {
     const ANYWHERE: PositionBox =
         PositionBox { space: None, x: (f64::NEG_INFINITY, f64::INFINITY), y: (f64::NEG_INFINITY, f64::INFINITY) };
 
+    /// How far a place is from it, along x and y, px; `None` in another space.
+    pub fn away(&self, space: SpaceId, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let apart = |at: f64, (low, high): (f64, f64)| (low - at).max(at - high).max(0.0);
+        self.space.is_none_or(|of| of == space).then(|| (apart(x, self.x), apart(y, self.y)))
+    }
+
     fn and(self, other: PositionBox) -> Option<PositionBox> {
         let space = match (self.space, other.space) {
             (Some(a), Some(b)) if a != b => return None,
@@ -51,11 +57,9 @@ pub(super) fn goal_positions(problem: &Problem<'_>) -> Option<(SlotId, Vec<Posit
 /// player's position.
 pub fn distance_to_goal(problem: &Problem<'_>, places: &[Visited]) -> Option<f64> {
     let (_, boxes) = goal_positions(problem)?;
-    let beside = |(low, high): (f64, f64), at: f64| (low - at).max(at - high).max(0.0);
     let far = |place: &Visited, goal: &PositionBox| {
-        let is_there = goal.space.is_none_or(|space| space == place.space);
         let [x, y] = place.at.map(f64::from);
-        if is_there { beside(goal.x, x).hypot(beside(goal.y, y)) } else { f64::INFINITY }
+        goal.away(place.space, (x, y)).map_or(f64::INFINITY, |(across, along)| across.hypot(along))
     };
     let all = places.iter().flat_map(|place| boxes.iter().map(move |goal| far(place, goal)));
     all.reduce(f64::min)

@@ -97,15 +97,14 @@ pub fn run_test(
     watch: &dyn Watch,
 ) -> Tested {
     let mut result = TestResult::new(subject.file, case, place(sources, case.at));
-    let mut ways: Vec<(Script, u64, u64)> = Vec::new();
+    let mut ways: Vec<(u64, Script)> = Vec::new();
     let has_run = case.claims.iter().any(|claim| matches!(claim.kind, TestClaimKind::Expect(_)));
     let mut expected = Vec::new().into_iter();
     if has_run {
         let ran = run::run(subject, case, sources, watch);
         result.problems = ran.problems;
         result.steps = Some(ran.steps);
-        let script = case.script.clone().unwrap_or_default();
-        ways.push((script, case.seed.unwrap_or_default(), ran.steps));
+        ways.push((ran.steps, case.script.clone().unwrap_or_default()));
         expected = ran.claims.into_iter();
     }
     for claim in &case.claims {
@@ -113,10 +112,7 @@ pub fn run_test(
             TestClaimKind::Expect(_) => expected.next(),
             TestClaimKind::Search(search) => {
                 let (answered, found) = search::search(subject, case, (claim, search), options, sources, watch);
-                ways.extend(found.into_iter().map(|script| {
-                    let steps = script.len();
-                    (script, case.seed.unwrap_or_default(), steps)
-                }));
+                ways.extend(found.into_iter().map(|script| (script.len(), script)));
                 Some(answered)
             }
         };
@@ -128,8 +124,8 @@ pub fn run_test(
         && result.claims.iter().all(|claim| claim.passed);
     let covered = options.covers.then(|| {
         let (sim, mut covered) = (Simulator::new(program, case.world), Covered::new(program));
-        for (script, seed, steps) in &ways {
-            covered.add_run(&sim, sources, (script, *seed), *steps);
+        for (steps, script) in &ways {
+            covered.add_run(&sim, sources, (script, case.seed.unwrap_or_default()), *steps);
         }
         covered
     });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::compile::{Asked, Compilation, ExtraQuestion, TestCase, TestClaim, TestClaimKind, When, question_name};
 use crate::ir::{ExprId, NeverId, SlotId, World};
-use crate::sim::{Fault, Run, Simulator, State};
+use crate::sim::{Fault, Run, Script, Simulator, State};
 use crate::source::SourceMap;
 use crate::watch::Watch;
 use crate::why::{place, predicate_atoms, predicate_distance};
@@ -223,7 +223,7 @@ impl<'c> Watched<'c> {
 /// Runs a number of steps; the claims look at each state, the initial one included.
 fn drive(
     sim: &Arc<Simulator>,
-    (script, seed): (&crate::sim::Script, Option<u64>),
+    (script, seed): (&Script, Option<u64>),
     steps: u64,
     watched: &mut [Watched<'_>],
     watch: &dyn Watch,

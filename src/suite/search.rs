@@ -1,10 +1,10 @@
 //! The claims of a test about all runs: the questions of `hypedc reach`, with the same answers.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use crate::compile::{
-    Asked, Compilation, ExtraConstraint, ExtraQuestion, SearchKind, TestCase, TestClaim, TestSearch, question_name,
+    Asked, Compilation, ExtraConstraint, ExtraQuestion, SearchKind, TestCase, TestClaim, TestSearch, added_nevers,
+    question_name,
 };
 use crate::ir::{NeverId, Program, WorldId};
 use crate::reach::query::{Answer, ProofMethod, Query, QueryError, Session, replay};
@@ -192,15 +192,11 @@ fn question(
     let target = target.ok_or_else(|| format!("`{name}` is no question of this world"))?;
     // The compiler appends it.
     let without: Vec<NeverId> = constraint.and_then(|_| world.nevers.ids().next_back()).into_iter().collect();
-    let is_added = |id: &NeverId| {
-        let span = program.spans.worlds[case.world].nevers.get(*id);
-        span.is_some_and(|span| sources.holds(*span) && sources.file(span.file()).path == Path::new(ORIGIN))
-    };
     let query = Query {
         settings: Settings { seed: options.seed, ..Settings::default() },
         limits: Limits { nodes: options.nodes, ..Limits::default() },
         within: asked.within,
-        asked: world.nevers.ids().filter(is_added).collect(),
+        asked: added_nevers(&program, &sources, case.world, ORIGIN),
         without,
         chance: case.seed,
         ..Query::new(vec![target])

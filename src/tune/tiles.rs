@@ -470,11 +470,7 @@ fn place(world: &World, edit: &TileEdit) -> Option<(SpaceId, Bounds)> {
 }
 
 /// The constant boxes of the colliders of a slot, relative to its position.
-fn boxes<'p>(
-    program: &'p Program,
-    world: &'p World,
-    slot: SlotId,
-) -> impl Iterator<Item = Bounds> + use<'p> {
+fn boxes<'p>(program: &'p Program, world: &'p World, slot: SlotId) -> impl Iterator<Item = Bounds> + use<'p> {
     let slot = &world.slots[slot];
     let number = move |id| program.constant(id, &slot.params, world.step);
     let colliders = program.entities[slot.entity].colliders.iter();

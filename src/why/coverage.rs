@@ -2,12 +2,13 @@
 //! seen true and false. A part counts in each step in which its edge is tried.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::ir::{EdgeId, EntityId, Expr, ExprId, Id, LeafId, ModeId, Program, WorldId};
+use crate::ir::{Edge, EdgeId, Entity, EntityId, Expr, ExprId, Id, LeafId, ModeId, Program, WorldId};
 use crate::sim::{Inspection, Script, Simulator};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, Span};
 
 use super::record::Place;
 use super::run::{Inputs, Step, play};
@@ -34,18 +35,18 @@ struct EntityCount {
 struct EdgeCount {
     tried: u64,
     taken: u64,
-    /// Of each part of its guard: how often it did not hold, and how often it did.
-    parts: Vec<[u64; 2]>,
+    /// Each part of its guard: how often it did not hold, and how often it did.
+    parts: Vec<(ExprId, [u64; 2])>,
 }
 
 impl Covered {
     /// No runs of a program.
     pub fn new(program: &Program) -> Self {
-        let edge = |edge: &crate::ir::Edge| EdgeCount {
-            parts: vec![[0; 2]; parts(program, edge.guard).len()],
+        let edge = |edge: &Edge| EdgeCount {
+            parts: parts(program, edge.guard).map(|part| (part, [0; 2])).collect(),
             ..EdgeCount::default()
         };
-        let entity = |entity: &std::sync::Arc<crate::ir::Entity>| EntityCount {
+        let entity = |entity: &Arc<Entity>| EntityCount {
             modes: vec![0; entity.modes.len()],
             edges: entity.edges.iter().map(edge).collect(),
         };
@@ -110,8 +111,8 @@ impl Covered {
                     let count = &mut counts[edge.index()];
                     count.tried += 1;
                     count.taken += u64::from(is_taken(edge));
-                    for (part, seen) in parts(program, entity.edges[edge].guard).into_iter().zip(&mut count.parts) {
-                        if let Some(held) = guards.truth(part) {
+                    for (part, seen) in &mut count.parts {
+                        if let Some(held) = guards.truth(*part) {
                             seen[usize::from(held)] += 1;
                         }
                     }
@@ -130,7 +131,7 @@ impl Covered {
                 mine.tried += other.tried;
                 mine.taken += other.taken;
                 let pairs = mine.parts.iter_mut().zip(&other.parts);
-                pairs.for_each(|(mine, other)| *mine = [mine[0] + other[0], mine[1] + other[1]]);
+                pairs.for_each(|((_, mine), (_, other))| *mine = [mine[0] + other[0], mine[1] + other[1]]);
             }
         }
     }
@@ -148,9 +149,8 @@ impl Covered {
 }
 
 /// The parts of a guard that can be true or false.
-fn parts(program: &Program, guard: ExprId) -> Vec<ExprId> {
-    let all = atoms_of(program, guard).into_iter();
-    all.filter(|part| !matches!(program.exprs[*part], Expr::Bool(_))).collect()
+fn parts(program: &Program, guard: ExprId) -> impl Iterator<Item = ExprId> {
+    atoms_of(program, guard).into_iter().filter(|part| !matches!(program.exprs[*part], Expr::Bool(_)))
 }
 
 /// A mode in the text.
@@ -234,8 +234,11 @@ impl PlaceCoverage {
             let Some(place) = spans.edges.get(edge).and_then(|span| original(sources, *span)) else { continue };
             let of = &entity.edges[edge];
             let is_else = sources.slice(spans.edges[edge]).starts_with("else");
-            let texts = parts(program, of.guard).into_iter().map(|part| atom_text(program, sources, part));
-            let part = |(text, seen): (String, &[u64; 2])| PartCoverage { text, held: seen[1], failed: seen[0] };
+            let part = |(part, [failed, held]): &(ExprId, [u64; 2])| PartCoverage {
+                text: atom_text(program, sources, *part),
+                held: *held,
+                failed: *failed,
+            };
             self.add_edge(EdgeCoverage {
                 entity: entity.name.to_string(),
                 from: path(of.source),
@@ -243,7 +246,7 @@ impl PlaceCoverage {
                 place,
                 tried: count.tried,
                 taken: count.taken,
-                parts: texts.zip(&count.parts).filter(|_| !is_else).map(part).collect(),
+                parts: count.parts.iter().filter(|_| !is_else).map(part).collect(),
             });
         }
     }
@@ -291,6 +294,6 @@ impl PlaceCoverage {
 }
 
 /// A span as a place of the text that was written; none of a text that is not known.
-fn original(sources: &SourceMap, span: crate::source::Span) -> Option<Place> {
+fn original(sources: &SourceMap, span: Span) -> Option<Place> {
     sources.holds(span).then(|| place(sources, sources.trace(span).0))
 }

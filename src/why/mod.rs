@@ -24,4 +24,4 @@ pub use nearly::{Missing, Nearly, NearlyEdge, nearly};
 pub use predicate::{predicate_atoms, predicate_distance};
 pub use record::{Atom, Contact, EdgeState, Inspected, Place, Value};
 pub use run::{AtomSince, EdgeWhy, ModeSince, RunError, Touched, Why, Write, why};
-pub use step::{Moment, inspect, place};
+pub use step::{Moment, inspect, place, shown};

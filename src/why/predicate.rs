@@ -5,7 +5,7 @@ use crate::sim::Simulator;
 use crate::source::SourceMap;
 
 use super::record::Atom;
-use super::step::{atom_text, atoms_of};
+use super::step::{atom_text, atoms_of, sides};
 
 /// The parts of a predicate of a world in a state, with what each compares.
 pub fn predicate_atoms(sim: &Simulator, sources: &SourceMap, state: &[u8], predicate: ExprId) -> Vec<Atom> {
@@ -16,7 +16,7 @@ pub fn predicate_atoms(sim: &Simulator, sources: &SourceMap, state: &[u8], predi
         if matches!(program.exprs[id], Expr::Alive(_)) && held == Some(true) {
             return None;
         }
-        Some(Atom { text: atom_text(program, sources, id), held, sides: sides(sim, state, id) })
+        Some(Atom { text: atom_text(program, sources, id), held, sides: sides_in(sim, state, id) })
     };
     atoms_of(program, predicate).into_iter().filter_map(atom).collect()
 }
@@ -30,21 +30,14 @@ pub fn predicate_distance(sim: &Simulator, state: &[u8], predicate: ExprId) -> (
             continue;
         }
         missing += 1;
-        if let Some([a, b]) = sides(sim, state, id) {
+        if let Some([a, b]) = sides_in(sim, state, id) {
             distance += (a - b).abs();
         }
     }
     (missing, distance)
 }
 
-/// Both sides of a comparison, or of a negated one.
-fn sides(sim: &Simulator, state: &[u8], id: ExprId) -> Option<[f64; 2]> {
-    let exprs = &sim.program().exprs;
-    let compared = match exprs[id] {
-        Expr::Not(inner) => inner,
-        _ => id,
-    };
-    let Expr::Compare(_, a, b) = exprs[compared] else { return None };
-    let side = |id| sim.number(state, id).ok();
-    side(a).zip(side(b)).map(|(a, b)| [a, b])
+/// The values of both sides of a comparison.
+fn sides_in(sim: &Simulator, state: &[u8], id: ExprId) -> Option<[f64; 2]> {
+    sides(sim.program(), id, |id| sim.number(state, id).ok())
 }

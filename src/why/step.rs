@@ -55,7 +55,7 @@ fn value(kind: &str, name: impl Into<String>, value: impl Into<String>) -> Value
 }
 
 /// A number as people read it: at most four digits after the point.
-pub(super) fn shown(number: f64) -> String {
+pub fn shown(number: f64) -> String {
     let text = format!("{number:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_string() } else { text.to_string() }
@@ -224,19 +224,19 @@ impl Guards<'_> {
     }
 
     pub fn atom(&self, id: ExprId) -> Atom {
-        let compared = match self.program.exprs[id] {
-            Expr::Not(a) => a,
-            _ => id,
-        };
-        let sides = match self.program.exprs[compared] {
-            Expr::Compare(_, a, b) => {
-                let side = |id| self.step.value(self.slot, id).ok();
-                side(a).zip(side(b)).map(|(a, b)| [a, b])
-            }
-            _ => None,
-        };
+        let sides = sides(self.program, id, |id| self.step.value(self.slot, id).ok());
         Atom { text: atom_text(self.program, self.sources, id), held: self.truth(id), sides }
     }
+}
+
+/// The values of both sides of a comparison, or of a negated one.
+pub(super) fn sides(program: &Program, id: ExprId, value: impl Fn(ExprId) -> Option<f64>) -> Option<[f64; 2]> {
+    let compared = match program.exprs[id] {
+        Expr::Not(inner) => inner,
+        _ => id,
+    };
+    let Expr::Compare(_, a, b) = program.exprs[compared] else { return None };
+    Some([value(a)?, value(b)?])
 }
 
 /// The text of a part. A comparison with an argument of a behaviour is put together from both sides, as they are in

@@ -12,6 +12,7 @@ mod sweep;
 mod text;
 mod why_not;
 
+pub(in crate::cli) use sweep::shade;
 pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
 pub(in crate::cli) use {

@@ -1,9 +1,7 @@
 //! Builds the query from the arguments of `hypedc reach`: targets, starts and settings. Invalid questions are refused
 //! here, before any analysis.
 
-use std::path::Path;
-
-use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, question_name};
+use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, added_nevers, question_name};
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
@@ -11,7 +9,6 @@ use crate::ir::{NeverId, World, WorldId};
 use crate::reach::query::{Kind, Query, QueryError};
 use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
 use crate::sim::{Script, parse_script};
-use crate::source::Span;
 
 use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
@@ -222,9 +219,7 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
 
 /// The `never`s that the arguments add as questions: they are no rules of the world.
 pub(in crate::cli) fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
-    let is_added = |span: Span| loaded.sources.holds(span) && loaded.sources.file(span.file()).path == Path::new(NEVER);
-    let nevers = loaded.program.spans.worlds[world].nevers.pairs();
-    nevers.filter(|(_, span)| is_added(**span)).map(|(id, _)| id).collect()
+    added_nevers(&loaded.program, &loaded.sources, world, NEVER)
 }
 
 /// Refuses an unknown name of a goal or `never`.

@@ -1,7 +1,6 @@
 //! `hypedc reach --set NAME=A..B/STEP`: the questions for each value of one or two numbers of the program, as a table, as
 //! CSV, as JSON, and as a map of verdicts.
 
-use std::fs;
 use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -28,7 +27,7 @@ use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::disk::Disk;
 use crate::cli::refusal::Refusal;
-use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256};
+use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256, written};
 use crate::cli::sweep::Sweep;
 use crate::cli::watches::interrupted;
 
@@ -164,8 +163,7 @@ pub(super) fn run(args: &ReachArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
     let files = [(&args.corpus.csv, csv_text as fn(&SweepResult, &[(Kind, String)]) -> String), (&args.svg, svg)];
     for (path, text) in files {
         let Some(path) = path else { continue };
-        if let Err(error) = fs::write(path, text(&result, &questions)) {
-            plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
+        if !written(path, &text(&result, &questions))? {
             return Ok(Exit::Refused);
         }
     }
@@ -376,27 +374,24 @@ fn csv_text(result: &SweepResult, questions: &[(Kind, String)]) -> String {
     out
 }
 
+/// How a map of verdicts shows one.
+pub(in crate::cli) fn shade(verdict: Conclusion, kind: Kind) -> Shade {
+    match (verdict, kind) {
+        (Conclusion::Reached, _) => Shade::Reached,
+        (Conclusion::Violated, _) => Shade::Violated,
+        (Conclusion::ProvenUnreachable, Kind::Never) => Shade::Safe,
+        (Conclusion::ProvenUnreachable, Kind::Goal) => Shade::Unreachable,
+        (Conclusion::Exhausted, _) => Shade::Exhausted,
+        (Conclusion::NotFound | Conclusion::NotAnswered, _) => Shade::Open,
+        (Conclusion::Error, _) => Shade::Error,
+    }
+}
+
 /// The map of verdicts, a panel for each question.
 fn svg(result: &SweepResult, questions: &[(Kind, String)]) -> String {
     let panels = questions.iter().enumerate().map(|(index, (kind, goal))| VerdictPanel {
         title: format!("{} {goal}", kind.name()),
-        cells: result
-            .points
-            .iter()
-            .map(|point| {
-                let verdict = point.verdict(index);
-                let shade = match (verdict, kind) {
-                    (Conclusion::Reached, _) => Shade::Reached,
-                    (Conclusion::Violated, _) => Shade::Violated,
-                    (Conclusion::ProvenUnreachable, Kind::Never) => Shade::Safe,
-                    (Conclusion::ProvenUnreachable, Kind::Goal) => Shade::Unreachable,
-                    (Conclusion::Exhausted, _) => Shade::Exhausted,
-                    (Conclusion::NotFound | Conclusion::NotAnswered, _) => Shade::Open,
-                    (Conclusion::Error, _) => Shade::Error,
-                };
-                (shade, point.steps(index))
-            })
-            .collect(),
+        cells: result.points.iter().map(|point| (shade(point.verdict(index), *kind), point.steps(index))).collect(),
     });
     let axes = result.axes.iter().map(|axis| (axis.name.clone(), axis.values.clone())).collect();
     let title = format!("{}, world {}", result.file, result.world);

@@ -10,10 +10,9 @@ mod ways;
 pub(in crate::cli) use result::json_schema;
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
@@ -31,8 +30,7 @@ use crate::why::{Covered, PlaceCoverage};
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Disk;
-use crate::cli::report::Loaded;
-use crate::cli::report::{colored, has_maps, plain_error, show, show_fact};
+use crate::cli::report::{Loaded, colored, has_maps, plain_error, show, show_fact, written};
 use crate::cli::watches::Interrupt;
 use args::TestArgs;
 use result::{CoverageResult, RESULT_VERSION, SuiteResult};
@@ -94,15 +92,6 @@ pub(in crate::cli) fn run(args: &TestArgs) -> io::Result<Exit> {
         }
     }
     Ok(if result.failed == 0 && result.not_run == 0 { Exit::Yes } else { Exit::No })
-}
-
-/// Writes a file; reports why it cannot be written.
-fn written(path: &Path, text: &str) -> io::Result<bool> {
-    if let Err(error) = fs::write(path, text) {
-        plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
-        return Ok(false);
-    }
-    Ok(true)
 }
 
 /// The programs with the chosen tests, and the number of others; reports why there is nothing to test.

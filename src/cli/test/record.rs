@@ -1,42 +1,23 @@
 //! `hypedc test --record GOAL`: searches for a goal and writes the inputs that are found as a test into the program. The new
 //! text is compiled and its test is run before the file is replaced.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::compile::{Asked, Changes, Compilation, ExtraQuestion, NumberSetting, compile_changed, question_name};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::reach::query::{Query, Session};
 use crate::reach::{Limits, Settings, Target};
-use crate::source::{Files, ReadError};
+use crate::source::Files;
 use crate::suite::{NoWays, Recorded, Subject, TestOptions, insert_test, run_test};
 
 use super::args::TestArgs;
 use crate::cli::Exit;
-use crate::cli::disk::{Disk, replace};
+use crate::cli::disk::{Changed, Disk, replace};
 use crate::cli::report::{choose_world, load_changed, plain_error, show, show_fact};
 use crate::cli::watches::CommandWatch;
-
-/// The files on the disk, but one with another text.
-struct Changed<'t> {
-    path: PathBuf,
-    text: &'t str,
-}
-
-impl Files for Changed<'_> {
-    fn read(&self, path: &Path) -> Result<String, ReadError> {
-        if path == self.path { Ok(self.text.to_string()) } else { Disk.read(path) }
-    }
-
-    fn identity(&self, path: &Path) -> PathBuf {
-        Disk.identity(path)
-    }
-
-    fn bad_picture(&self, path: &Path) -> Option<String> {
-        Disk.bad_picture(path)
-    }
-}
 
 pub(super) fn run(args: &TestArgs, goal: &str, numbers: &[NumberSetting<'_>]) -> io::Result<Exit> {
     let [file] = args.files.as_slice() else {
@@ -126,7 +107,7 @@ fn passes(
     text: &str,
     watch: &CommandWatch,
 ) -> io::Result<bool> {
-    let files = Changed { path: file.to_path_buf(), text };
+    let files = Changed { texts: BTreeMap::from([(file.to_path_buf(), text.to_string())]) };
     let Compilation { sources, program, diagnostics, tests } =
         compile_changed(file, args.level.file(), &Changes::default(), &files);
     let Some(program) = program else {

@@ -4,7 +4,7 @@ use crate::diagnostic::catalogue::test::TestFailed;
 use crate::diagnostic::{Diagnostics, render};
 use crate::source::SourceMap;
 use crate::suite::{ClaimResult, TestResult};
-use crate::why::{Atom, EdgeCoverage, Place};
+use crate::why::{Atom, EdgeCoverage, Place, shown};
 
 use super::result::{CoverageResult, SuiteResult};
 use crate::cli::reach::counted;
@@ -54,15 +54,8 @@ fn part(part: &Atom) -> Option<String> {
         true => "holds",
         false => "does not hold",
     };
-    let sides = part.sides.map(|[a, b]| format!(": it compares {} with {}", number(a), number(b))).unwrap_or_default();
+    let sides = part.sides.map(|[a, b]| format!(": it compares {} with {}", shown(a), shown(b))).unwrap_or_default();
     Some(format!("`{}` {held}{sides}", part.text))
-}
-
-/// At most four digits after the point.
-fn number(number: f64) -> String {
-    let text = format!("{number:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_string() } else { text.to_string() }
 }
 
 /// The last line.

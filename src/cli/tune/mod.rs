@@ -9,7 +9,6 @@ mod tiles;
 #[cfg(feature = "testing")]
 pub(in crate::cli) use {result::json_schema, tiles::json_schema as tiles_schema};
 
-use std::fs;
 use std::io::{self, Write};
 use std::time::Instant;
 
@@ -20,9 +19,9 @@ use crate::diagnostic::{Severity, render};
 use crate::ir::{World, WorldId};
 use crate::json::{self, Layout};
 use crate::reach::query::{Kind, Query};
-use crate::reach::{Conclusion, Limits, Settings, Target};
+use crate::reach::{Limits, Settings, Target};
 use crate::tune::{Axis, Built, Host, MAX_AXES, Question, Tuned, Wanted, tune};
-use crate::view::{Shade, VerdictMap, VerdictPanel, verdict_map_svg};
+use crate::view::{VerdictMap, VerdictPanel, verdict_map_svg};
 use crate::watch::Watch;
 
 use crate::cli::Exit;
@@ -31,8 +30,9 @@ use crate::cli::disk::Disk;
 use crate::cli::goal::chosen_goal;
 use crate::cli::reach::question::{NEVER, asked_only, unknown};
 use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
+use crate::cli::reach::shade;
 use crate::cli::refusal::Refusal;
-use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256};
+use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256, written};
 use crate::cli::watches::{CommandWatch, interrupted};
 use args::{TuneArgs, Vary};
 use result::{RESULT_VERSION, TuneResult, csv_text};
@@ -230,9 +230,8 @@ fn show(args: &TuneArgs, result: &TuneResult) -> io::Result<Exit> {
     ];
     for (path, text) in files {
         if let (Some(path), Some(text)) = (path, text)
-            && let Err(error) = fs::write(path, text)
+            && !written(path, &text)?
         {
-            plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
             return Ok(Exit::Refused);
         }
     }
@@ -253,15 +252,7 @@ fn svg(result: &TuneResult) -> String {
     let [axis] = result.numbers.as_slice() else { return String::new() };
     let mut trials: Vec<_> = result.trials.iter().collect();
     trials.sort_by(|a, b| a.values[0].total_cmp(&b.values[0]));
-    let shade = |verdict| match verdict {
-        Conclusion::Reached => Shade::Reached,
-        Conclusion::Violated => Shade::Violated,
-        Conclusion::ProvenUnreachable => Shade::Unreachable,
-        Conclusion::Exhausted => Shade::Exhausted,
-        Conclusion::NotFound | Conclusion::NotAnswered => Shade::Open,
-        Conclusion::Error => Shade::Error,
-    };
-    let cells = trials.iter().map(|trial| (shade(trial.verdict), trial.steps)).collect();
+    let cells = trials.iter().map(|trial| (shade(trial.verdict, Kind::Goal), trial.steps)).collect();
     let values = trials.iter().map(|trial| Axis::text(trial.values[0])).collect();
     let panel = VerdictPanel { title: format!("goal {}", result.goal), cells };
     let title = format!("{}, world {}", result.file, result.world);

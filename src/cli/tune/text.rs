@@ -1,6 +1,6 @@
 //! The result of `hypedc tune` as text for people.
 
-use crate::reach::Conclusion;
+use crate::reach::{Conclusion, Luck};
 use crate::tabular::{Cell, Column, Table};
 use crate::tune::{Axis, Change, Part, Trial};
 
@@ -66,15 +66,19 @@ fn settings(result: &TuneResult, trial: &Trial) -> String {
     values.map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// The verdict of a trial, with the time of its path.
-fn verdict(trial: &Trial) -> String {
-    let luck = with_luck(trial.luck.as_ref());
-    match (trial.seconds_of_play, trial.steps) {
+/// A verdict, with the time and the luck of its path.
+pub(super) fn timed_verdict(verdict: Conclusion, path: (Option<f64>, Option<u64>), luck: Option<&Luck>) -> String {
+    match path {
         (Some(seconds), Some(steps)) => {
-            format!("{} in {seconds:.2} s, step {steps}{luck}", trial.verdict.words())
+            format!("{} in {seconds:.2} s, step {steps}{}", verdict.words(), with_luck(luck))
         }
-        _ => trial.verdict.words().to_string(),
+        _ => verdict.words().to_string(),
     }
+}
+
+/// The verdict of a trial.
+fn verdict(trial: &Trial) -> String {
+    timed_verdict(trial.verdict, (trial.seconds_of_play, trial.steps), trial.luck.as_ref())
 }
 
 /// The values of a trial of the numbers that a change concerns: `251`, `gravity = -900, Hero.jump = 251`.

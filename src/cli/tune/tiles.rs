@@ -1,10 +1,9 @@
 //! `hypedc tune --tiles`: the fewest tiles of maps of text to add or to remove. [`crate::tune`] finds them; this part
 //! changes the text, compiles and shows.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -13,7 +12,6 @@ use crate::ir::WorldId;
 use crate::json::{self, Layout};
 use crate::reach::Conclusion;
 use crate::reach::query::Query;
-use crate::source::{Files, ReadError};
 use crate::studio::Written;
 use crate::tune::{
     Built, Host, LevelHost, LevelTrial, TileChange, TileEdit, TileQuestion, TileSet, TilesFound, Wanted, tile_edits,
@@ -23,12 +21,13 @@ use crate::watch::Watch;
 
 use super::Disked;
 use super::args::{TilesName, TuneArgs};
+use super::text::timed_verdict;
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
-use crate::cli::disk::Disk;
-use crate::cli::reach::{ScriptDetail, with_luck};
+use crate::cli::disk::Changed;
+use crate::cli::reach::{ScriptDetail, counted};
 use crate::cli::refusal::Refusal;
-use crate::cli::report::{Loaded, find_world, plain_error, program_sha256};
+use crate::cli::report::{Loaded, find_world, plain_error, program_sha256, written};
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 1;
@@ -85,26 +84,6 @@ pub(in crate::cli) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(TilesResult)
 }
 
-/// Files of which some have another text.
-#[derive(Default)]
-struct Edited {
-    texts: BTreeMap<PathBuf, String>,
-}
-
-impl Files for Edited {
-    fn read(&self, path: &Path) -> Result<String, ReadError> {
-        self.texts.get(path).map_or_else(|| Disk.read(path), |text| Ok(text.clone()))
-    }
-
-    fn identity(&self, path: &Path) -> PathBuf {
-        Disk.identity(path)
-    }
-
-    fn bad_picture(&self, path: &Path) -> Option<String> {
-        Disk.bad_picture(path)
-    }
-}
-
 /// Compiles levels with some tiles changed.
 struct Levels<'a> {
     host: &'a Disked<'a>,
@@ -114,8 +93,8 @@ struct Levels<'a> {
 
 impl Levels<'_> {
     /// The files with some tiles changed.
-    fn edited(&self, edits: &[TileEdit]) -> Result<Edited, String> {
-        let mut files = Edited::default();
+    fn edited(&self, edits: &[TileEdit]) -> Result<Changed, String> {
+        let mut files = Changed::default();
         for edit in edits {
             let written = Written::read(&self.args.file, self.args.level.map.as_deref(), &files);
             let cell = (edit.column.saturating_sub(1), edit.row.saturating_sub(1));
@@ -192,9 +171,8 @@ pub(super) fn run(
     }
     let inputs = set.as_ref().and_then(|set| set.trial.inputs.as_ref());
     if let (Some(path), Some(inputs)) = (&args.save_inputs, inputs)
-        && let Err(error) = fs::write(path, format!("{inputs}\n"))
+        && !written(path, &format!("{inputs}\n"))?
     {
-        plain_error(&format!("cannot write `{}`: {error}", path.display()))?;
         return Ok(Exit::Refused);
     }
     let result = TilesResult {
@@ -263,21 +241,16 @@ fn rows(levels: &Levels<'_>, edits: &[TileEdit]) -> Vec<MapRow> {
     rows
 }
 
-/// `1 tile`, `2 tiles`
-fn tiles(count: usize) -> String {
-    format!("{count} tile{}", if count == 1 { "" } else { "s" })
-}
-
 fn text(result: &TilesResult, args: &TuneArgs) -> String {
     let TilesResult { file, world, goal, base, .. } = result;
     let set: String = result.set.iter().map(|set| format!(", {set}")).collect();
-    let mut out = format!("{file}, world {world}{set}: {} may be changed\n", tiles(result.allowed as usize));
+    let mut out = format!("{file}, world {world}{set}: {} may be changed\n", counted(result.allowed, "tile"));
     match &result.change {
         Some(change) => {
             out.push_str(&format!(
                 "  goal {goal}: {} with {} changed\n",
                 verdict(&change.trial),
-                tiles(change.edits.len())
+                counted(change.edits.len() as u64, "tile")
             ));
             for edit in &change.edits {
                 let TileEdit { space, column, row, from, to } = edit;
@@ -308,7 +281,7 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
         }
         None => {
             out.push_str(&format!("  goal {goal}: {} as it is\n", verdict(base)));
-            let most = tiles(args.max.into());
+            let most = counted(args.max.into(), "tile");
             out.push_str(&match (result.prevent, base.verdict) {
                 (true, Conclusion::Reached) => {
                     format!("    no way to change up to {most} was found so that it is proven unreachable\n")
@@ -336,13 +309,7 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
     out
 }
 
-/// A verdict with the time of its path.
+/// The verdict of a level.
 fn verdict(trial: &LevelTrial) -> String {
-    match (trial.seconds_of_play, trial.steps) {
-        (Some(seconds), Some(steps)) => {
-            let luck = with_luck(trial.luck.as_ref());
-            format!("{} in {seconds:.2} s, step {steps}{luck}", trial.verdict.words())
-        }
-        _ => trial.verdict.words().to_string(),
-    }
+    timed_verdict(trial.verdict, (trial.seconds_of_play, trial.steps), trial.luck.as_ref())
 }

@@ -287,7 +287,8 @@ impl Session {
             }
         });
         let violations = violations.collect();
-        let luck = found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| Luck::chosen(p, &plan.script, plan.after));
+        let luck =
+            found.problem.as_ref().zip(found.plan()).and_then(|(p, plan)| Luck::chosen(p, &plan.script, plan.after));
         let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
         let spaces = spaces.unwrap_or_default();
         let why_not = self.why_not(found, sources);

@@ -42,9 +42,7 @@ pub(super) fn closed_rooms(
             let text = describer.text(guard);
             match first {
                 Some(part) if part.text == text => part,
-                Some(part) => {
-                    PartState { words: format!("`{}` {}", part.text, part.words), text, ..part }
-                }
+                Some(part) => PartState { words: format!("`{}` {}", part.text, part.words), text, ..part },
                 None => holds(text, Unit::NONE),
             }
         });

@@ -1,7 +1,7 @@
 //! Explains a missing answer: replays the inputs that lead to the nearest states, and describes what is missing there.
 //! What a replay does not confirm is left out.
 
-use crate::ir::ExprId;
+use crate::ir::{ExprId, Space};
 use crate::sim::{Script, State};
 use crate::source::SourceMap;
 use crate::watch::Meter;
@@ -91,16 +91,20 @@ fn replay(
     (is_open && cost(&state) == near.cost()).then_some(Replayed { script, state })
 }
 
+/// The column of the map of a space at a position, from 1; `None` outside of it and without a map.
+pub(super) fn column(space: &Space, x: f64) -> Option<usize> {
+    let map = space.map.as_ref()?;
+    let column = (x / map.tile.0).floor();
+    (column >= 0.0 && column < map.columns as f64).then_some(column as usize + 1)
+}
+
 /// Where the first player is in a state.
 fn point(problem: &Problem<'_>, Replayed { script, state }: &Replayed) -> Point {
     let (sim, step) = (problem.sim, script.len());
     let player = problem.players().first().copied();
     let (x, y) = player.map_or((0.0, 0.0), |player| sim.position(state, player));
     let space = player.map(|player| &sim.world().spaces[sim.space(state, player)]);
-    let column = space.and_then(|space| space.map.as_ref()).and_then(|map| {
-        let column = (x / map.tile.0).floor();
-        (column >= 0.0 && column < map.columns as f64).then_some(column as usize + 1)
-    });
+    let column = space.and_then(|space| column(space, x));
     Point {
         step,
         seconds: step as f64 * sim.world().step.seconds(),

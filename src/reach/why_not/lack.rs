@@ -2,13 +2,14 @@
 //! that the common parts (a variable against a number) are read directly, and nothing is allocated.
 
 use crate::ir::{
-    Arithmetic, CompareOp, Domain, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, Subject, VarId, World, compare,
+    Arithmetic, CompareOp, Domain, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, Subject, VarId, World,
+    compare,
 };
 use crate::sim::Simulator;
 
 use super::super::problem::Problem;
 use super::contact::Contact;
-use super::rooms::ways_to;
+use super::rooms::{hops, ways_to};
 use super::unit::{Unit, unit_of};
 
 /// What a part that is true or false counts as, in tiles of 16 px.
@@ -351,25 +352,16 @@ fn hops_to(
 ) -> Vec<u32> {
     let entity = &program.entities[world.slots[slot].entity];
     let of_group = |leaf: LeafId| entity.modes[entity.leaves[leaf].mode].group == group;
-    let mut hops: Vec<u32> =
-        entity.leaves.ids().map(|leaf| if of_group(leaf) && is_wanted(leaf) { 0 } else { u32::MAX }).collect();
-    loop {
-        let mut has_changed = false;
-        for leaf in entity.leaves.ids().filter(|leaf| of_group(*leaf)) {
-            let targets = entity.leaves[leaf].edges.iter().filter_map(|edge| entity.edges[*edge].target);
-            // Where a mode chooses what is entered first, any of its leaves may be.
-            let leads = targets.flat_map(|mode| match entity.modes[mode].chooses {
-                true => entity.modes[mode].leaves.ids().collect::<Vec<_>>(),
-                false => vec![entity.modes[mode].initial],
-            });
-            let least = leads.map(|leaf| hops[leaf.index()]).min().unwrap_or(u32::MAX).saturating_add(1);
-            if least < hops[leaf.index()] {
-                hops[leaf.index()] = least;
-                has_changed = true;
-            }
-        }
-        if !has_changed {
-            return hops;
-        }
-    }
+    let is_wanted = |at: usize| of_group(LeafId::from_index(at)) && is_wanted(LeafId::from_index(at));
+    hops(entity.leaves.len(), is_wanted, |at, hops| {
+        let leaf = Some(LeafId::from_index(at)).filter(|leaf| of_group(*leaf));
+        let edges = leaf.into_iter().flat_map(|leaf| &entity.leaves[leaf].edges);
+        let targets = edges.filter_map(|edge| entity.edges[*edge].target);
+        // Where a mode chooses what is entered first, any of its leaves may be.
+        let leads = targets.flat_map(|mode| match entity.modes[mode].chooses {
+            true => entity.modes[mode].leaves.ids().collect::<Vec<_>>(),
+            false => vec![entity.modes[mode].initial],
+        });
+        leads.map(|leaf| hops[leaf.index()]).min().unwrap_or(u32::MAX)
+    })
 }

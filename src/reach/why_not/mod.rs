@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `lack` | the parts of a goal, and how far each is from holding in a state |
 //! | `contact` | the gap between bodies that have to touch |
-//! | `rooms` | the number of links between rooms |
+//! | `rooms` | the number of links between rooms, and of edges between modes |
 //! | `unit` | the units of distances |
 //! | `tracker`, `gauge` | what a search keeps: nearest states, jumps, places of rest |
 //! | `record` | the explanation as plain data |

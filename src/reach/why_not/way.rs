@@ -9,6 +9,7 @@ use super::super::coverage::PLACE;
 use super::super::explore::{Explorer, Top};
 use super::super::goal_positions::{PositionBox, goal_positions};
 use super::super::problem::Problem;
+use super::explain::column;
 use super::gauge::Seen;
 use super::record::{Barrier, WayEnd};
 use super::words::shown;
@@ -38,9 +39,8 @@ pub(super) fn way_end(problem: &Problem<'_>, seen: &Seen) -> Option<WayEnd> {
         let Some(stand) = stand(problem.sim, player, state, &explored.spaces.get(space.0 as usize)?.tops) else {
             continue;
         };
-        for goal in goals.iter().filter(|goal| goal.space.is_none_or(|of| of == space)) {
-            let apart = |at: f64, (low, high): (f64, f64)| (low - at).max(at - high).max(0.0);
-            let away = (apart(stand.at.0, goal.x), apart(stand.at.1, goal.y));
+        for goal in &goals {
+            let Some(away) = goal.away(space, stand.at) else { continue };
             if nearest.as_ref().is_none_or(|(known, ..)| away < *known) {
                 nearest = Some((away, Stand { ..stand }, *goal));
             }
@@ -245,10 +245,8 @@ impl Terrain<'_> {
     }
 
     fn column(&self, stand: &Stand) -> Option<usize> {
-        let map = self.problem.sim.world().spaces[stand.space].map.as_ref()?;
         let middle = f64::midpoint(stand.body.left, stand.body.right);
-        let column = (middle / map.tile.0).floor();
-        (column >= 0.0 && column < map.columns as f64).then_some(column as usize + 1)
+        column(&self.problem.sim.world().spaces[stand.space], middle)
     }
 
     fn place(&self, stand: &Stand) -> String {

@@ -11,7 +11,7 @@ const read = (name) => readFileSync(`${repository}/${name}`, "utf8");
 /** The texts in a folder and its folders, by name from the repository. */
 function texts(folder) {
   const names = readdirSync(`${repository}/${folder}`, { recursive: true, withFileTypes: true })
-    .filter((entry) => entry.isFile() && /\.(hyped|txt|json)$/.test(entry.name))
+    .filter((entry) => entry.isFile() && /\.(hyped|inputs|txt|json)$/.test(entry.name))
     .map((entry) => `${entry.parentPath ?? entry.path}/${entry.name}`.slice(repository.length).replace(/^\//, ""));
   return Object.fromEntries(names.sort().map((name) => [name, read(name)]));
 }
@@ -24,9 +24,9 @@ export function games() {
     const name = root.slice("examples/".length, -".hyped".length);
     // Files of the same folder, and those that the program names elsewhere.
     const folder = dirname(root);
-    const near = Object.fromEntries(
-      Object.entries(files).filter(([file]) => dirname(file) === folder || file.startsWith("examples/entities/")),
-    );
+    const isNamed = (file) => files[root].includes(`"${file.slice(folder.length + 1)}"`);
+    const isNear = (file) => dirname(file) === folder || file.startsWith("examples/entities/") || isNamed(file);
+    const near = Object.fromEntries(Object.entries(files).filter(([file]) => isNear(file)));
     if (!/^\s*map level /m.test(files[root])) return [{ name, project: { files: near, root } }];
     const levels = Object.keys(near).filter((file) => file.endsWith(".txt"));
     return levels.map((map) => ({ name: `${name}, ${map.slice(folder.length + 1)}`, project: { files: near, root, map } }));

@@ -11,6 +11,7 @@ mod chance;
 mod cli;
 mod corpus;
 mod experiment;
+mod figures;
 mod guard;
 mod pictures;
 mod questions;

@@ -52,7 +52,7 @@ pub mod why_not;
 mod window;
 
 pub use bounds::Sampling;
-pub use conclusion::Conclusion;
+pub use conclusion::{Conclusion, Shift};
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::plan_from_script;

@@ -80,7 +80,8 @@ fn arc(speed: f64, acceleration: f64, dt: f64) -> (f64, f64) {
 const PLAIN: &str = "
     button jump
     axis horizontal
-    x' = 90 * horizontal
+    param walk = 90
+    x' = walk * horizontal
     y'' = -910
     initial mode ground { when pressed(jump) and touching(body, wall, below) -> air { y' := 251 } }
     mode air { when touching(body, wall, below) -> ground }";
@@ -116,8 +117,8 @@ fn a_button_that_is_held_rises_higher() {
         "button jump
         group feet {
             initial mode ground { when pressed(jump) and touching(body, wall, below) -> rising { y' := 300 } }
-            mode rising { y'' = -610 when not held(jump) or y' < 0 -> falling }
-            mode falling { y'' = -1810 when touching(body, wall, below) -> ground }
+            mode rising { y'' = -610; when not held(jump) or y' < 0 -> falling }
+            mode falling { y'' = -1810; when touching(body, wall, below) -> ground }
         }",
     );
     // Tapped: one step in `rising`, then in `falling`.
@@ -142,15 +143,15 @@ fn a_run_up_makes_a_jump_longer() {
         "1/60",
         "button jump, dash
         axis horizontal
-        param top = 100
-        clamp x' in -160..160
+        param walk = 100
+        param run = 160
         y'' = -900
-        x' = if(held(dash), 160, top) * horizontal
+        x' = if(held(dash), run, walk) * horizontal
         initial mode ground { when pressed(jump) and touching(body, wall, below) -> air { y' := 247 } }
         mode air { when touching(body, wall, below) -> ground }",
     );
     let (rise, steps) = arc(247.0, -900.0, DT);
-    for (with, speed) in [("right", 100.0), ("dash+right", 160.0), ("left", 100.0), ("dash+left", 160.0)] {
+    for (with, speed) in [("right", 100.0), ("right+dash", 160.0), ("left", 100.0), ("left+dash", 160.0)] {
         let found = jump(&of, "jump", Press::Held, with, true);
         assert_jump(found, rise, steps * speed * DT, steps, DT);
         assert_near(found.speed, speed);
@@ -165,7 +166,8 @@ fn a_speed_that_grows_is_waited_for() {
         axis horizontal
         clamp x' in -125..125
         y'' = -905
-        x'' = 60 * horizontal
+        param push: px/s^2 = 60
+        x'' = push * horizontal
         initial mode ground { when pressed(jump) and touching(body, wall, below) -> air { y' := 203 } }
         mode air { when touching(body, wall, below) -> ground }",
     );
@@ -182,9 +184,10 @@ fn a_jump_can_be_charged() {
     let of = figures(
         "1/60",
         "button jump
+        param more: px/s^2 = 200
         initial mode ground { when pressed(jump) and touching(body, wall, below) -> charging }
-        mode charging { when released(jump) -> air { y' := 101 + 200 * timer } }
-        mode air { y'' = -890 when touching(body, wall, below) -> ground }",
+        mode charging { when released(jump) -> air { y' := 101 + more * timer } }
+        mode air { y'' = -890; when touching(body, wall, below) -> ground }",
     );
     // Let go after a second: the timer is at 1 s.
     let (rise, steps) = arc(301.0, -890.0, DT);
@@ -201,7 +204,7 @@ fn a_fall_can_have_a_greatest_speed() {
         "button jump
         clamp y' in -120..400
         initial mode ground { when pressed(jump) and touching(body, wall, below) -> air { y' := 302 } }
-        mode air { y'' = -900 when touching(body, wall, below) -> ground }",
+        mode air { y'' = -900; when touching(body, wall, below) -> ground }",
     );
     let (rise, _) = arc(302.0, -900.0, DT);
     // The first step at which the speed is at its limit; what the clamp cuts off of that step does not move it.
@@ -219,8 +222,8 @@ fn a_jump_need_not_be_an_arc() {
         "1/60",
         "axis vertical
         initial mode ground { when vertical > 0 and touching(body, wall, below) -> up }
-        mode up { y' = 121 when timer >= 0.5s -> down }
-        mode down { y' = -97 when touching(body, wall, below) -> ground }",
+        mode up { y' = 121; when timer >= 0.5s -> down }
+        mode down { y' = -97; when touching(body, wall, below) -> ground }",
     );
     let rise = 30.0 * 121.0 * DT;
     let steps = 30.0 + (rise / (97.0 * DT)).ceil();
@@ -230,13 +233,16 @@ fn a_jump_need_not_be_an_arc() {
 
 #[test]
 fn who_never_stands_is_not_measured() {
-    let flies = world("1/60", "axis horizontal, vertical x' = 80 * horizontal y' = 80 * vertical");
+    let flies = world("1/60", "axis horizontal, vertical; param v = 80; x' = v * horizontal; y' = v * vertical");
     assert!(all_figures(&flies).is_empty());
-    let floats = world("1/60", "button up y'' = if(held(up), 300, -300) clamp y' in -20..20 x' = 40");
+    let floats = world("1/60", "button up; y'' = if(held(up), 300, -300); clamp y' in -20..20; x' = 40");
     // It stands, but does not stand still; what it does from there is measured.
     assert_eq!(all_figures(&floats).len(), 1);
     let off = PLAIN.replace("touching(body, wall, below) -> ground", "timer > 99s -> ground");
-    assert!(all_figures(&world("1/60", &off))[0].jumps.iter().all(|jump| jump.seconds.is_some()), "it lands all the same");
+    assert!(
+        all_figures(&world("1/60", &off))[0].jumps.iter().all(|jump| jump.seconds.is_some()),
+        "it lands all the same"
+    );
 }
 
 /// Of all examples: the same figures each time, and none that no run can have.

@@ -105,6 +105,11 @@ pub fn measure(program: &Arc<Program>, world: WorldId, meter: &Meter<'_>) -> Opt
         if let Some(flat) = Flat::new(program, world, player.slot) {
             let mut gauge = Gauge::new(&flat, id, meter);
             let jumps = gauge.jumps()?;
+            // What stays where it is put jumps if it comes back to the ground by itself.
+            let comes_back = |jump: &Jump| jump.press != Press::Held && jump.length.is_some();
+            if !flat.is_pulled && !jumps.iter().any(comes_back) {
+                continue;
+            }
             all.push(Figures {
                 player: player.number,
                 instance: table.slots[player.slot].name.clone(),

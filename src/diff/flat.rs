@@ -11,7 +11,7 @@ use crate::sim::{Input, Instance, Scratch, Simulator, State};
 const REACH: f64 = 100_000.0;
 /// Its thickness, px.
 const THICKNESS: f64 = 256.0;
-/// How far above it the player begins, px: what is not pulled down never stands.
+/// How far above it the player begins, px: what stands there afterwards is pulled down.
 const DROP: f64 = 8.0;
 /// How near to the floor a body is that stands on it, px.
 const NEAR: f64 = 0.5;
@@ -30,12 +30,18 @@ pub(super) struct Flat {
     pub state: State,
     /// The tags of the floor.
     pub ground: Vec<String>,
+    /// Whether it fell there. Many players are not pulled down while they stand, and neither is what moves in all
+    /// directions.
+    pub is_pulled: bool,
 }
 
 impl Flat {
-    /// The player of a slot on the first ground of its world on which it comes to rest; none if there is no such ground.
+    /// The player of a slot on the first ground of its world on which it comes to rest: after a fall, or where it is put
+    /// there. None if there is no such ground.
     pub fn new(program: &Arc<Program>, world: WorldId, slot: SlotId) -> Option<Flat> {
-        grounds(program, &program.worlds[world], slot).into_iter().find_map(|tags| stand(program, world, slot, tags))
+        let grounds = grounds(program, &program.worlds[world], slot);
+        let on = |drop| grounds.iter().find_map(|tags| stand(program, world, slot, *tags, drop));
+        on(DROP).or_else(|| on(0.0))
     }
 
     /// The player in a state.
@@ -105,8 +111,8 @@ fn alone(program: &Arc<Program>, id: WorldId, slot: SlotId, floor: Option<Solid>
     Arc::new(changed)
 }
 
-/// The player on a floor with these tags, at rest.
-fn stand(program: &Arc<Program>, id: WorldId, slot: SlotId, tags: TagSet) -> Option<Flat> {
+/// The player on a floor with these tags, at rest; it begins above it.
+fn stand(program: &Arc<Program>, id: WorldId, slot: SlotId, tags: TagSet, drop: f64) -> Option<Flat> {
     let world = &program.worlds[id];
     let sim = Simulator::new(&alone(program, id, slot, None), id);
     let state = sim.initial(&mut sim.scratch()).ok()?;
@@ -120,7 +126,7 @@ fn stand(program: &Arc<Program>, id: WorldId, slot: SlotId, tags: TagSet) -> Opt
         });
         held.map(|(_, bounds)| bounds.bottom).min_by(f64::total_cmp)
     };
-    let top = y + bottom(&sim, &state)? - DROP;
+    let top = y + bottom(&sim, &state)? - drop;
     let floor = Solid { tags, bounds: Bounds::new([x - REACH, top - THICKNESS, 2.0 * REACH, THICKNESS]) };
     let sim = Simulator::new(&alone(program, id, slot, Some(floor)), id);
     let mut scratch = sim.scratch();
@@ -140,7 +146,7 @@ fn stand(program: &Arc<Program>, id: WorldId, slot: SlotId, tags: TagSet) -> Opt
         resting = if player.is_alive() && y == before && is_down { resting + 1 } else { 0 };
     }
     let ground = tags.iter().filter_map(|tag| program.tags.get(tag).cloned()).collect();
-    Some(Flat { sim, slot, state, ground })
+    Some(Flat { sim, slot, state, ground, is_pulled: drop > 0.0 })
 }
 
 /// One step; what nature draws in it is always the same. None if it breaks a rule of the language.

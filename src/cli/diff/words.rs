@@ -82,8 +82,8 @@ pub(super) fn map_words(change: &LevelChange) -> String {
 pub(super) fn player_words(change: &PlayerChange, figures: &[Figures]) -> String {
     let name = &change.instance;
     match change.stands {
-        [true, false] => return format!("{name} does not stand on flat ground any more: nothing was measured"),
-        [false, true] => return format!("{name} stands on flat ground now, and did not: nothing to compare"),
+        [true, false] => return format!("{name} does not stand or jump on flat ground any more: nothing was measured"),
+        [false, true] => return format!("{name} stands or jumps on flat ground now, and did not: nothing to compare"),
         _ => {}
     }
     let ground = figures.iter().find(|figures| figures.player == change.player).map(|of| of.ground.join(", "));

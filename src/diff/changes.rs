@@ -75,21 +75,9 @@ fn compare(at: &Path, old: &[Part], new: &[Part], found: &mut Vec<Change>) {
         order.is_some_and(|order| order.windows(2).any(|pair| pair[0] > pair[1]))
     };
     for (part, partner) in old.iter().zip(&partners) {
-        if let Some(partner) = partner {
-            compare_one(at, part, &new[*partner], found);
-            continue;
-        }
-        // An empty part says as much as any other.
-        let has_content = |part: &Part| !part.text.is_empty() || !part.parts.is_empty();
-        let renamed = new.iter().enumerate().position(|(index, other)| {
-            !is_paired[index] && other.kind == part.kind && has_content(part) && part.says_the_same(other)
-        });
-        if let Some(index) = renamed {
-            is_paired[index] = true;
-            let (from, to) = (Some(part.name.clone()), Some(new[index].name.clone()));
-            found.push(change(ChangeKind::Renamed, at, part, (from, to), &new[index]));
-        } else {
-            found.push(change(ChangeKind::Removed, at, part, (said(part), None), part));
+        match partner {
+            Some(partner) => compare_one(at, part, &new[*partner], found),
+            None => found.push(change(ChangeKind::Removed, at, part, (said(part), None), part)),
         }
     }
     for (part, _) in new.iter().zip(&is_paired).filter(|(_, is_paired)| !**is_paired) {
@@ -119,6 +107,10 @@ fn change(
 }
 
 fn compare_one(at: &Path, old: &Part, new: &Part, found: &mut Vec<Change>) {
+    if old.name != new.name {
+        let names = (Some(old.name.clone()), Some(new.name.clone()));
+        found.push(change(ChangeKind::Renamed, at, old, names, new));
+    }
     if old.text != new.text {
         let said = |part: &Part| Some(part.text.clone());
         found.push(change(ChangeKind::Changed, at, old, (said(old), said(new)), new));
@@ -127,7 +119,8 @@ fn compare_one(at: &Path, old: &Part, new: &Part, found: &mut Vec<Change>) {
 }
 
 /// The partner of each old part among the new ones: the same kind and name; of several the one that says the same, or
-/// else the next one.
+/// else the next one. What has no partner then is paired with what says the same, or almost the same, under a name that
+/// was not there.
 fn pair(old: &[Part], new: &[Part]) -> Vec<Option<usize>> {
     let mut partners: Vec<Option<usize>> = vec![None; old.len()];
     let mut is_taken = vec![false; new.len()];
@@ -139,7 +132,22 @@ fn pair(old: &[Part], new: &[Part]) -> Vec<Option<usize>> {
     };
     round(&Part::is_same);
     round(&|part, other| (part.kind, &part.name) == (other.kind, &other.name));
+    let is_new = |other: &Part| !old.iter().any(|part| (part.kind, &part.name) == (other.kind, &other.name));
+    let can_be = |part: &Part, other: &Part| part.kind == other.kind && is_label(part) && is_new(other);
+    round(&|part, other| can_be(part, other) && part.says_the_same(other));
+    round(&|part, other| can_be(part, other) && is_alike(part, other));
     partners
+}
+
+/// Whether a name is but a label of what a part says: two numbers of the same value are not the same number.
+fn is_label(part: &Part) -> bool {
+    !part.parts.is_empty() || ["goal", "never", "condition", "place"].contains(&part.kind)
+}
+
+/// Whether most of the parts inside say the same.
+fn is_alike(part: &Part, other: &Part) -> bool {
+    let same = part.parts.iter().filter(|mine| other.parts.iter().any(|of| of.is_same(mine))).count();
+    2 * same > part.parts.len().max(other.parts.len())
 }
 
 #[cfg(test)]
@@ -172,6 +180,20 @@ mod tests {
         let new = [hero("1", vec![edge("-> b", "when z"), edge("-> a", "when x"), edge("-> a", "when y")])];
         assert_eq!(texts(&old, &new), ["Reordered edge Hero.air None None"]);
         let renamed = [Part { name: "Knight".into(), ..old[0].clone() }];
-        assert_eq!(texts(&old, &renamed), [r#"Renamed entity Hero Some("Hero") Some("Knight")"#]);
+        let hero_to_knight = r#"Renamed entity Hero Some("Hero") Some("Knight")"#;
+        assert_eq!(texts(&old, &renamed), [hero_to_knight]);
+        // Renamed and changed, if most of it is as it was.
+        let number = |name: &str, text: &str| part("param", name, text, Vec::new());
+        let three =
+            |name: &str, last| [part("entity", name, "", vec![number("a", "1"), number("b", "2"), number("c", last)])];
+        assert_eq!(
+            texts(&three("Hero", "3"), &three("Knight", "4")),
+            [hero_to_knight, r#"Changed param Hero.c Some("3") Some("4")"#]
+        );
+        // Two numbers of the same value are two numbers.
+        assert_eq!(
+            texts(&[number("a", "16")], &[number("b", "16")]),
+            [r#"Removed param a Some("16") None"#, r#"Added param b None Some("16")"#]
+        );
     }
 }

@@ -339,7 +339,10 @@ fn sentences(this: Option<&Why>, other: Option<&Why>, partner: &dyn Fn(usize) ->
     }
     let modes: Vec<&str> = this.modes.iter().map(|mode| mode.mode.as_str()).collect();
     let others: Vec<&str> = other.iter().flat_map(|other| &other.modes).map(|mode| mode.mode.as_str()).collect();
-    if all.is_empty() || modes != others {
+    let different: Vec<&str> = modes.iter().copied().filter(|mode| !others.contains(mode)).collect();
+    if !different.is_empty() {
+        all.push(format!("is in {}", different.join(", ")));
+    } else if all.is_empty() {
         all.push(format!("is in {}", modes.join(", ")));
     }
     all

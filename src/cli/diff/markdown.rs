@@ -2,10 +2,9 @@
 
 use crate::diff::{Class, Comparison};
 
+use super::figure_words::{jump_lines, player_words, speed_lines};
 use super::result::{DiffResult, LevelResult};
-use super::words::{
-    change_words, class_word, jump_lines, map_words, player_words, question_words, speed_lines, summary, way_lines,
-};
+use super::words::{change_words, class_word, map_words, question_words, summary, way_lines};
 
 /// Maximum number of lines of a list.
 const MAX_SHOWN: usize = 30;
@@ -28,7 +27,11 @@ fn plain(text: &str) -> String {
 }
 
 fn list(out: &mut String, lines: &[String]) {
-    lines.iter().take(MAX_SHOWN).for_each(|line| out.push_str(&format!("- {}\n", plain(line))));
+    // What is indented belongs to the line above.
+    for line in lines.iter().take(MAX_SHOWN) {
+        let indent = line.len() - line.trim_start().len();
+        out.push_str(&format!("{}- {}\n", &line[..indent], plain(line.trim_start())));
+    }
     if lines.len() > MAX_SHOWN {
         out.push_str(&format!("- and {} more\n", lines.len() - MAX_SHOWN));
     }
@@ -94,7 +97,7 @@ fn rows(level: &LevelResult) -> String {
 fn details(level: &LevelResult, question: &Comparison) -> String {
     let mut lines: Vec<String> = question.new.reasons.iter().map(|why| format!("because {why}")).collect();
     for (name, what) in question.old_way.iter().flat_map(|way| way_lines(way, question.class)) {
-        lines.push(if name.is_empty() { what } else { format!("{}: {what}", name.trim()) });
+        lines.push(if name.is_empty() { what } else { format!("{name}: {what}") });
     }
     if let (Class::Way | Class::Worse | Class::Found | Class::Better, Some(inputs)) =
         (question.class, &question.new.inputs)

@@ -2,6 +2,7 @@
 //! levels, asks, and shows the result.
 
 pub(in crate::cli) mod args;
+mod figure_words;
 mod markdown;
 mod result;
 mod text;

@@ -4,13 +4,14 @@
 use crate::diff::{Class, Comparison};
 use crate::tabular::{Cell, Column, Table};
 
+use super::figure_words::{jump_lines, player_words, speed_lines};
 use super::result::{DiffResult, LevelResult};
-use super::words::{
-    change_words, class_word, jump_lines, map_words, player_words, question_words, speed_lines, summary, way_lines,
-};
+use super::words::{change_words, class_word, map_words, question_words, summary, way_lines};
 
 /// Maximum number of changes and of jumps that the text shows.
 const MAX_SHOWN: usize = 20;
+/// Maximum width of the first of two columns.
+const MAX_NAME: usize = 70;
 /// Maximum number of levels whose old ways the text shows.
 const MAX_WAYS: usize = 8;
 
@@ -22,10 +23,19 @@ fn limited(out: &mut String, lines: &[String]) {
     }
 }
 
-/// Pairs of words as two columns.
+/// Pairs of words as two columns; what does not fit into the first one has a line of its own.
 fn columns(lines: &[(String, String)]) -> Vec<String> {
-    let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    lines.iter().map(|(name, what)| format!("{name:width$}  {what}")).collect()
+    let length = |name: &String| name.chars().count();
+    let width = lines.iter().map(|(name, _)| length(name)).filter(|length| *length <= MAX_NAME).max().unwrap_or(0);
+    let mut all = Vec::new();
+    for (name, what) in lines {
+        if length(name) > MAX_NAME {
+            all.extend([name.clone(), format!("  {what}")]);
+        } else {
+            all.push(format!("{name:width$}  {what}"));
+        }
+    }
+    all
 }
 
 /// The result as text.

@@ -1,8 +1,7 @@
-//! The sentences that text and Markdown share.
+//! The sentences that text and Markdown share: what changed, answers and ways.
 
 use crate::diff::{
-    Answered, Change, ChangeKind, Class, Comparison, Difference, Ended, FigureChange, Figures, Jump, LevelChange,
-    OldWay, Origin, PlayerChange, Press, RunEnd, Speed,
+    Answered, Change, ChangeKind, Class, Comparison, Difference, Ended, LevelChange, OldWay, Origin, RunEnd,
 };
 use crate::reach::Conclusion;
 use crate::reach::query::Kind;
@@ -24,19 +23,10 @@ fn cut(text: &str) -> String {
 }
 
 /// A number with at most one digit after the point.
-fn px(number: f64) -> String {
+pub(super) fn px(number: f64) -> String {
     let text = format!("{number:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);
     if text == "-0" { "0".to_string() } else { text.to_string() }
-}
-
-fn seconds(number: f64) -> String {
-    format!("{number:.2}")
-}
-
-/// `a → b`, or one of them if they read the same.
-fn arrow(old: &str, new: &str) -> String {
-    if old == new { new.to_string() } else { format!("{old} → {new}") }
 }
 
 /// What a part says now and before.
@@ -76,99 +66,6 @@ pub(super) fn map_words(change: &LevelChange) -> String {
         parts.push(format!("{} new", counted(change.instances_new as u64, "instance")));
     }
     format!("map of {}.{}: {}", change.world, change.space, parts.join("; "))
-}
-
-/// `4 of 12 jumps of hero differ, measured on flat ground (tags)`
-pub(super) fn player_words(change: &PlayerChange, figures: &[Figures]) -> String {
-    let name = &change.instance;
-    match change.stands {
-        [true, false] => return format!("{name} does not stand or jump on flat ground any more: nothing was measured"),
-        [false, true] => return format!("{name} stands or jumps on flat ground now, and did not: nothing to compare"),
-        _ => {}
-    }
-    let ground = figures.iter().find(|figures| figures.player == change.player).map(|of| of.ground.join(", "));
-    let jumps = match change.jumps.len() {
-        0 => "no jump differs".to_string(),
-        1 => format!("1 of {} differs", counted(change.compared as u64, "jump")),
-        count => format!("{count} of {} differ", counted(change.compared as u64, "jump")),
-    };
-    format!("{name} on flat ground ({}): {jumps}", ground.unwrap_or_default())
-}
-
-/// The inputs of a jump: `jump held, running with right`.
-fn jump_name(jump: &Jump) -> String {
-    let press = match jump.press {
-        Press::Held => "held",
-        Press::Tapped => "tapped",
-        Press::Released => "let go after 1 s",
-    };
-    let with = match (jump.with.as_str(), jump.running) {
-        ("", _) => "standing".to_string(),
-        (with, false) => format!("standing, then with {with}"),
-        (with, true) => format!("running with {with}"),
-    };
-    format!("{} {press}, {with}", jump.input)
-}
-
-/// What differs of a jump.
-fn jump_words(old: &Jump, new: &Jump) -> String {
-    let mut parts = vec![format!("rises {} px", arrow(&px(old.rise), &px(new.rise)))];
-    let far = |jump: &Jump| jump.length.map_or("not".to_string(), px);
-    let long = |jump: &Jump| jump.seconds.map_or("more than 20".to_string(), seconds);
-    if old.length.is_some_and(|length| length > 0.05) || new.length.is_some_and(|length| length > 0.05) {
-        parts.push(format!("lands {} px away", arrow(&far(old), &far(new))));
-    }
-    parts.push(format!("{} s in the air", arrow(&long(old), &long(new))));
-    if new.running && px(old.speed) != px(new.speed) {
-        parts.push(format!("from {} px/s", arrow(&px(old.speed), &px(new.speed))));
-    }
-    parts.join(", ")
-}
-
-/// The jumps that differ, a line each; those with the same change share one.
-pub(super) fn jump_lines(change: &PlayerChange) -> Vec<(String, String)> {
-    let mut lines: Vec<(Vec<String>, String)> = Vec::new();
-    for FigureChange { old, new } in &change.jumps {
-        let (name, what) = match (old, new) {
-            (Some(old), Some(new)) => (jump_name(new), jump_words(old, new)),
-            (Some(old), None) => (jump_name(old), "does not lead off the ground any more".to_string()),
-            (None, Some(new)) => {
-                (jump_name(new), format!("leads off the ground now, and did not: {}", jump_words(new, new)))
-            }
-            (None, None) => continue,
-        };
-        match lines.iter_mut().find(|(_, known)| *known == what) {
-            Some((names, _)) => names.push(name),
-            None => lines.push((vec![name], what)),
-        }
-    }
-    lines.into_iter().map(|(names, what)| (joined(&names), what)).collect()
-}
-
-/// Names that begin alike, joined: `jump held, running with left or right`.
-fn joined(names: &[String]) -> String {
-    let first = names.first().cloned().unwrap_or_default();
-    let Some((start, _)) = first.rsplit_once(' ') else { return names.join("; ") };
-    let ends: Option<Vec<&str>> = names
-        .iter()
-        .map(|name| name.strip_prefix(start).and_then(|rest| rest.strip_prefix(' ')).filter(|end| !end.contains(' ')))
-        .collect();
-    match ends {
-        Some(ends) => format!("{start} {}", ends.join(" or ")),
-        None => names.join("; "),
-    }
-}
-
-/// The speeds that differ, a line each.
-pub(super) fn speed_lines(change: &PlayerChange) -> Vec<(String, String)> {
-    let lines = change.speeds.iter().filter_map(|FigureChange { old, new }| {
-        let (old, new): (&Speed, &Speed) = (old.as_ref()?, new.as_ref()?);
-        let axes = [("sideways", old.sideways, new.sideways), ("up", old.up, new.up), ("down", old.down, new.down)];
-        let other = axes.iter().map(|(word, old, new)| (word, px(*old), px(*new))).filter(|(_, old, new)| old != new);
-        let parts: Vec<String> = other.map(|(word, old, new)| format!("{word} {old} → {new}")).collect();
-        (!parts.is_empty()).then(|| (format!("top speed in {}", new.mode), format!("{} px/s", parts.join(", "))))
-    });
-    lines.collect()
 }
 
 /// A class as a word.
@@ -224,9 +121,10 @@ fn place(at: Option<[f64; 2]>) -> String {
     at.map_or("not there".to_string(), |[x, y]| format!("at ({}, {})", px(x), px(y)))
 }
 
-fn end_words(ended: &Ended) -> String {
+/// How a run ended; `done` is what it means that all inputs were given.
+fn end_words(ended: &Ended, done: &str) -> String {
     let why = match &ended.end {
-        RunEnd::Done => "the inputs end".to_string(),
+        RunEnd::Done => done.to_string(),
         RunEnd::Never(name) => format!("`never {name}` holds"),
         RunEnd::Outside(name) => format!("{name} leaves the bounds"),
         RunEnd::Fault => "a run-time error".to_string(),
@@ -257,15 +155,15 @@ pub(super) fn way_lines(way: &OldWay, class: Class) -> Vec<(String, String)> {
         }
         return lines;
     }
-    lines.push(("old way".to_string(), format!("{}, does not arrive", counted(way.steps, "step"))));
+    lines.push(("old way".to_string(), format!("{}: does not arrive any more", counted(way.steps, "step"))));
     let Some(divergence) = &way.divergence else { return lines };
     lines.extend(divergence.other.iter().flat_map(difference_lines));
     lines.extend(divergence.player.iter().flat_map(difference_lines));
     if divergence.player.is_none() && divergence.other.is_none() {
         lines.push(("differs".to_string(), "nowhere in what is active, only in positions and values".to_string()));
     }
-    lines.push(("ends".to_string(), format!("old: {}", end_words(&divergence.old))));
-    lines.push((String::new(), format!("new: {}", end_words(&divergence.new))));
+    lines.push(("ends".to_string(), format!("old: {}", end_words(&divergence.old, "it arrives"))));
+    lines.push((String::new(), format!("new: {}", end_words(&divergence.new, "the inputs end"))));
     lines
 }
 
@@ -296,8 +194,11 @@ pub(super) fn summary(result: &DiffResult) -> String {
         .map(|class| format!("{} {}", count(class), word(class)))
         .collect();
     match (all, changed) {
-        (0, _) => "no question was asked".to_string(),
+        (0, _) => {
+            let changes = counted((result.changes.len() + result.maps.len()) as u64, "change");
+            format!("{changes}; no question was asked")
+        }
         (_, 0) => format!("no answer changed ({})", counted(result.questions() as u64, "question")),
-        _ => format!("{changed} of {} changed: {}", counted(all as u64, what), parts.join(", ")),
+        _ => format!("{changed} of {all} {what}s changed: {}", parts.join(", ")),
     }
 }

@@ -10,6 +10,7 @@ mod border;
 mod chance;
 mod cli;
 mod corpus;
+mod diff;
 mod experiment;
 mod figures;
 mod guard;

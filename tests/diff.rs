@@ -358,7 +358,7 @@ fn examples_do_not_differ_from_themselves() {
         let sim = Simulator::new(&program, WorldId(0));
         let text = std::fs::read_to_string(inputs).unwrap();
         let script = script(&program, &text);
-        let side = Side { sim: &sim, sources: &sources, script: &script, asked: &[] };
+        let side = Side { sim: &sim, sources: &sources, script: &script, asked: &[], target: None };
         let found = diverge(side, side);
         assert!(found.player.is_none() && found.other.is_none() && found.old == found.new, "{found:?}");
         runs += 1;
@@ -432,7 +432,7 @@ fn the_first_difference_is_where_it_is() {
     let by_mode = was.iter().zip(&is).position(|(was, is)| was != is).unwrap() as u64;
     let sims = [Simulator::new(&old.0, WorldId(0)), Simulator::new(&new.0, WorldId(0))];
     let scripts = [script(&old.0, inputs), script(&new.0, inputs)];
-    let side = |at: usize, sources| Side { sim: &sims[at], sources, script: &scripts[at], asked: &[] };
+    let side = |at: usize, sources| Side { sim: &sims[at], sources, script: &scripts[at], asked: &[], target: None };
     let found = diverge(side(0, &old.1), side(1, &new.1));
     let player = found.player.unwrap();
     // The contact that ends the jump is a step before the mode changes.

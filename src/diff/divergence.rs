@@ -3,10 +3,10 @@
 
 use serde::Serialize;
 
-use crate::ir::{EdgeId, Entity, Id, ModeId, NeverId, Program, SlotId, Touch, TouchId, World};
+use crate::ir::{EdgeId, Entity, ExprId, Id, ModeId, NeverId, Program, SlotId, Touch, TouchId, World};
 use crate::sim::{Instance, Script, Simulator, State};
 use crate::source::SourceMap;
-use crate::why::{EdgeWhy, Why, why};
+use crate::why::{Atom, EdgeWhy, Why, predicate_atoms, why};
 
 /// A program whose run is compared.
 #[derive(Clone, Copy)]
@@ -19,6 +19,8 @@ pub struct Side<'s> {
     pub script: &'s Script,
     /// `never`s that are questions only, and end no run.
     pub asked: &'s [NeverId],
+    /// The predicate that the run leads to, or should.
+    pub target: Option<ExprId>,
 }
 
 /// How a run ended.
@@ -74,6 +76,8 @@ pub struct Ended {
     pub step: u64,
     /// Where the first player is then, px; null if it is not there.
     pub at: Option<[f64; 2]>,
+    /// The parts of the goal that do not hold then, with the values of comparisons; empty if it holds.
+    pub missing: Vec<String>,
 }
 
 /// How two runs with the same inputs differ.
@@ -142,7 +146,15 @@ impl<'s> Run<'s> {
     fn ended(&self) -> Ended {
         let first = self.side.sim.world().players.iter().next();
         let at = first.and_then(|player| self.at(player.slot, self.steps()));
-        Ended { end: self.end.clone(), step: self.steps(), at }
+        let Side { sim, sources, target, .. } = self.side;
+        let mut missing = Vec::new();
+        if let (Some(target), Some(state)) = (target, self.states.last())
+            && !sim.holds(state, target).unwrap_or(false)
+        {
+            let parts = predicate_atoms(sim, sources, state, target);
+            missing.extend(parts.iter().filter(|part| part.held != Some(true)).map(part_words));
+        }
+        Ended { end: self.end.clone(), step: self.steps(), at, missing }
     }
 }
 
@@ -364,15 +376,18 @@ fn line(edge: &EdgeWhy) -> String {
 /// The parts of a guard that held, or that did not.
 fn because(edge: &EdgeWhy, held: bool) -> String {
     let parts = edge.atoms.iter().map(|of| &of.atom).filter(|atom| atom.held == Some(held));
-    let parts: Vec<String> = parts
-        .map(|atom| match atom.sides {
-            Some([a, b]) => format!("`{}` ({} and {})", atom.text, number(a), number(b)),
-            None => format!("`{}`", atom.text),
-        })
-        .collect();
+    let parts: Vec<String> = parts.map(part_words).collect();
     match parts.is_empty() {
         true => String::new(),
         false => format!(": {} {}", parts.join(", "), if held { "held" } else { "did not hold" }),
+    }
+}
+
+/// A part of a guard or of a goal: `hero.y >= 60` (56 and 60)
+fn part_words(atom: &Atom) -> String {
+    match atom.sides {
+        Some([a, b]) => format!("`{}` ({} and {})", atom.text, number(a), number(b)),
+        None => format!("`{}`", atom.text),
     }
 }
 

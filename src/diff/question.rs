@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::analysis::ConfigurationSpace;
 use crate::diagnostic::Severity;
-use crate::ir::{NeverId, Program, World, WorldId};
+use crate::ir::{ExprId, NeverId, Program, World, WorldId};
 use crate::reach::query::{Answer, Found, Kind, Query, Session};
 use crate::reach::{self, Conclusion, Problem, Settings, Shift, StateStatus, Target, plan_from_script};
 use crate::sim::{Script, Simulator, parse_script};
@@ -177,6 +177,14 @@ impl<'v> Asked<'v> {
     fn new(version: Version<'v>, budget: Budget, watch: &dyn Watch) -> Self {
         let query = query(&version, budget, Vec::new());
         Asked { version, budget, session: Session::new(version.program, version.world, query, watch) }
+    }
+
+    fn predicate(&self, target: Target) -> ExprId {
+        let world = self.version.table();
+        match target {
+            Target::Goal(goal) => world.goals[goal].holds,
+            Target::Never(never) => world.nevers[never].holds,
+        }
     }
 
     fn problem<'s>(&'s self, sim: &'s Simulator, target: Target) -> Problem<'s> {
@@ -367,13 +375,15 @@ fn ask<'s>(
                 open.held = new.replay(targets[1], &translated, watch);
                 way.holds = open.held.as_ref().map(Script::len);
                 if open.held.is_none() {
-                    let side = |of: &'s Asked<'_>, script| Side {
+                    let side = |of: &'s Asked<'_>, script, target| Side {
                         sim: of.session.simulator(),
                         sources: of.version.sources,
                         script,
                         asked: of.version.asked,
+                        target: Some(of.predicate(target)),
                     };
-                    way.divergence = Some(diverge(side(old, &script), side(new, &translated)));
+                    let sides = (side(old, &script, targets[0]), side(new, &translated, targets[1]));
+                    way.divergence = Some(diverge(sides.0, sides.1));
                 }
                 open.way = Some((translated, way.clone()));
             }

@@ -31,6 +31,10 @@ pub(super) fn px(number: f64) -> String {
 
 /// What a part says now and before.
 pub(super) fn change_words(change: &Change) -> String {
+    format!("{} ({})", what_changed(change), change.place)
+}
+
+fn what_changed(change: &Change) -> String {
     let name = if change.name.is_empty() { String::new() } else { format!(" {}", change.name) };
     let head = format!("{}{name}", change.what);
     let said = |text: &Option<String>| text.as_deref().map(|text| format!(": {}", cut(text))).unwrap_or_default();
@@ -129,7 +133,12 @@ fn end_words(ended: &Ended, done: &str) -> String {
         RunEnd::Outside(name) => format!("{name} leaves the bounds"),
         RunEnd::Fault => "a run-time error".to_string(),
     };
-    format!("{why} after step {}, {}", ended.step, place(ended.at))
+    let missing = match ended.missing.as_slice() {
+        [] => String::new(),
+        [part] => format!(": {part} does not hold"),
+        parts => format!(": {} do not hold", parts.join(", ")),
+    };
+    format!("{why} after step {}, {}{missing}", ended.step, place(ended.at))
 }
 
 fn difference_lines(difference: &Difference) -> Vec<(String, String)> {

@@ -16,7 +16,7 @@ fn plain(text: &str) -> String {
     for c in text.chars() {
         match c {
             '`' => is_code = !is_code,
-            '*' | '_' | '<' | '>' | '#' | '[' | ']' | '\\' if !is_code => out.push('\\'),
+            '*' | '_' | '<' | '#' | '[' | ']' | '\\' if !is_code => out.push('\\'),
             '|' => out.push('\\'),
             _ => {}
         }

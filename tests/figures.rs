@@ -198,6 +198,28 @@ fn a_jump_can_be_charged() {
 }
 
 #[test]
+fn an_axis_can_direct_a_jump() {
+    // A frog that does not walk.
+    let of = figures(
+        "1/60",
+        "button jump
+        axis horizontal
+        param aside = 70
+        y'' = -800
+        initial mode ground {
+            x' = 0
+            when released(jump) and touching(body, wall, below) -> air { y' := 210; x' := aside * horizontal }
+        }
+        mode air { when touching(body, wall, below) -> ground }",
+    );
+    let (rise, steps) = arc(210.0, -800.0, DT);
+    for (with, length) in [("", 0.0), ("left", steps * 70.0 * DT), ("right", steps * 70.0 * DT)] {
+        assert_jump(jump(&of, "jump", Press::Released, with, false), rise, length, steps, DT);
+    }
+    assert!(of.jumps.iter().all(|jump| !jump.running));
+}
+
+#[test]
 fn a_fall_can_have_a_greatest_speed() {
     let of = figures(
         "1/60",

@@ -1,5 +1,5 @@
-//! How high, how far and how fast a player is, measured on flat ground in the simulator: each input alone and with each
-//! input that moves the player sideways, from standing still and from its greatest speed. Nothing is derived from the
+//! How high, how far and how fast a player is, measured on flat ground in the simulator: each input alone, with each input
+//! that moves the player sideways, from standing still and from its greatest speed, and with each end of an axis. Nothing is derived from the
 //! text of a program: a figure is what a run did, and says nothing of inputs that were not tried.
 
 use std::collections::BTreeMap;
@@ -235,9 +235,10 @@ impl<'f> Gauge<'f> {
         Ok(Some(Run { controls: controls.to_vec(), state, speed }))
     }
 
-    /// Inputs that move the player along the ground, alone, and with another input that changes the speed.
-    fn runs(&mut self, controls: &[Control]) -> Result<Vec<Run>, Stopped> {
-        let Some(rest) = self.run(&[])? else { return Ok(Vec::new()) };
+    /// Inputs that move the player along the ground, alone, and with another input that changes the speed; and those that
+    /// leave it where it is.
+    fn runs(&mut self, controls: &[Control]) -> Result<(Vec<Run>, Vec<Control>), Stopped> {
+        let Some(rest) = self.run(&[])? else { return Ok((Vec::new(), Vec::new())) };
         let mut singles = Vec::new();
         let mut others = Vec::new();
         for &control in controls {
@@ -257,7 +258,7 @@ impl<'f> Gauge<'f> {
             }
         }
         singles.extend(pairs);
-        Ok(singles)
+        Ok((singles, others))
     }
 
     /// All jumps; none if it was stopped.
@@ -272,12 +273,15 @@ impl<'f> Gauge<'f> {
 
     fn all_jumps(&mut self, jumps: &mut Vec<Jump>) -> Result<(), Stopped> {
         let controls = self.controls();
-        let runs = self.runs(&controls)?;
+        let (runs, others) = self.runs(&controls)?;
         for &control in &controls {
             let is_other = |run: &&Run| !run.controls.iter().any(|held| is_same_input(*held, control));
             let mut starts: Vec<(Vec<Control>, Option<&Run>)> = vec![(Vec::new(), None)];
             let single = |run: &&Run| run.controls.len() == 1;
             starts.extend(runs.iter().filter(single).filter(is_other).map(|run| (run.controls.clone(), None)));
+            // What does not move it along the ground may direct a jump.
+            let directs = |held: &&Control| matches!(held, Control::Axis(..)) && !is_same_input(**held, control);
+            starts.extend(others.iter().filter(directs).map(|held| (vec![*held], None)));
             starts.extend(runs.iter().filter(is_other).map(|run| (run.controls.clone(), Some(run))));
             for (with, run) in starts {
                 let held = self.jump(control, Press::Held, &with, run)?;

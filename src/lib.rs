@@ -36,6 +36,7 @@
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
 //! | [`tune`] | the smallest change of a number that turns an answer |
 //! | [`suite`] | tests of worlds: runs, questions, coverage |
+//! | [`diff`] | two programs compared: what changed, how players move, which answers differ |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
 //! | [`cli`] | the subcommands |
@@ -51,6 +52,8 @@ pub mod compile;
 #[cfg(feature = "cli")]
 pub mod corpus;
 pub mod diagnostic;
+#[cfg(feature = "cli")]
+pub mod diff;
 pub mod experiment;
 pub mod format;
 pub mod graph;

@@ -392,7 +392,7 @@ fn a_baseline_tells_what_changed() {
     let (code, shown, _) = place.answer(&format!("{of} --baseline old.jsonl"));
     assert_eq!(code, 0, "as before is no worse: {shown}");
     assert!(shown.ends_with("since old.jsonl: 8 as before\n"), "{shown}");
-    // One verdict gets better, one worse, one path longer; one level is removed and one added.
+    // One goal is found, one is lost, one path is longer; one level is removed and one added.
     place.write("levels/c.txt", LEVELS[0].1);
     place.write("levels/b.txt", LEVELS[2].1);
     let wide = "..........................\n..........................\nP........................F\n##########################\n";
@@ -401,8 +401,8 @@ fn a_baseline_tells_what_changed() {
     let (code, shown, _) = place.answer(&format!("{of} --goal out --baseline old.jsonl --minimize"));
     assert_eq!(code, 1, "{shown}");
     for line in [
-        "  worse   levels/b.txt, goal out: reached → not found\n",
-        "  better  levels/c.txt, goal out: not found → reached\n",
+        "  lost    levels/b.txt, goal out: reached → not found any more, not known to be worse\n",
+        "  found   levels/c.txt, goal out: not found → reached, which may have been so before\n",
         "  new     levels/e.txt, goal out: reached\n",
         "  gone    levels/d.txt, goal out: was reached\n",
         "  gone    levels/a.txt, goal up: was reached\n",
@@ -414,11 +414,11 @@ fn a_baseline_tells_what_changed() {
     assert!(!shown.contains("longer"), "{shown}");
     let (code, json, _) = place.answer(&format!("{of} --goal out --baseline old.jsonl --format json"));
     let json: Value = serde_json::from_str(&json).unwrap();
-    assert_eq!((code, json["version"].as_u64(), json["stopped"].as_bool()), (1, Some(3), Some(false)));
+    assert_eq!((code, json["version"].as_u64(), json["stopped"].as_bool()), (1, Some(4), Some(false)));
     assert_eq!(json["rows"].as_array().unwrap().len(), 4);
     let flip = &json["changes"]["flips"][0];
     let brief = ["level", "goal", "from", "to", "change"].map(|field| flip[field].as_str().unwrap());
-    assert_eq!(brief, ["levels/b.txt", "out", "reached", "not-found", "worse"]);
+    assert_eq!(brief, ["levels/b.txt", "out", "reached", "not-found", "lost"]);
 }
 
 #[test]

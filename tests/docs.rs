@@ -312,6 +312,28 @@ fn sessions_print_what_is_shown() {
     assert_eq!(drawn, kept, "each picture in {PICTURES} is drawn by a session");
 }
 
+/// The examples for continuous integration are laid out as YAML is, and call commands with arguments that they have.
+#[test]
+fn pipelines_call_what_there_is() {
+    let is_known = |command: &str| hypedc(Path::new("."), &words(&format!("{command} --help"))).2 == 0;
+    assert!(!is_known("reach game.hyped --basline old.jsonl"), "`--help` does not hide a mistake");
+    let text = read("docs/continuous-integration.md");
+    let mut called = BTreeSet::new();
+    for part in parts(&text) {
+        let Part::Block { fence, lines } = part else { continue };
+        for line in lines.iter().filter(|_| fence.starts_with("yaml")) {
+            let content = line.trim_start();
+            assert!((line.len() - content.len()).is_multiple_of(2) && !line.contains('\t'), "{line}");
+            let command = content.trim_start_matches("- ").trim_start_matches("run: ");
+            let Some(command) = command.strip_prefix("hypedc ") else { continue };
+            let command = command.split(['>', '|']).next().unwrap();
+            assert!(is_known(command), "{line}");
+            called.insert(command.split(' ').next().unwrap().to_string());
+        }
+    }
+    assert_eq!(called.into_iter().collect::<Vec<_>>(), ["check", "diff", "fmt", "reach", "test"]);
+}
+
 #[test]
 fn the_readme_is_short_and_has_the_two_commands() {
     let text = read(README);

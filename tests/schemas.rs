@@ -127,6 +127,17 @@ fn changes_are_as_their_schema_says() {
 }
 
 #[test]
+fn comparisons_are_as_their_schema_says() {
+    let text = std::fs::read_to_string("examples/frog.hyped").unwrap();
+    let lower = text.replace("param more_up = 240", "param more_up = 120");
+    assert_ne!(lower, text);
+    let path = temporary("frog.hyped");
+    std::fs::write(&path, lower).unwrap();
+    let of = format!("diff --format json --nodes 300 examples/frog.hyped {}", path.display());
+    validate("diff", &[written(&of), written(&format!("{of} --no-search"))]);
+}
+
+#[test]
 fn results_are_as_their_schema_says() {
     let questions = [
         "examples/paper/test2.hyped --goal drawn --tree",

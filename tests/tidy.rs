@@ -34,6 +34,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("corpus", &["tabular", "json", "reach"]),
     ("tune", &["source", "watch", "json", "diagnostic", "ir", "analysis", "compile", "sim", "reach"]),
     ("suite", &["source", "watch", "syntax", "ir", "compile", "sim", "reach", "corpus", "why"]),
+    ("diff", &["source", "watch", "diagnostic", "syntax", "ir", "analysis", "sim", "reach", "why"]),
     (
         "studio",
         &[
@@ -60,6 +61,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "tabular",
             "json",
             "corpus",
+            "diff",
             "analysis",
             "watch",
             "diagnostic",

@@ -10,6 +10,7 @@ mod args;
 mod bounds;
 mod check;
 mod corpus;
+mod diff;
 mod disk;
 mod experiment;
 mod explain;
@@ -88,6 +89,7 @@ pub fn main() -> ExitCode {
         Command::Stuck(args) => stuck::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Test(args) => test::run(&args),
+        Command::Diff(args) => diff::run(&args),
         Command::Experiment(args) => experiment::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::Bounds(args) => bounds::run(&args),

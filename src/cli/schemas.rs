@@ -4,7 +4,7 @@ use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
-use super::{bounds, corpus, reach, stuck, test, tune, why};
+use super::{bounds, corpus, diff, reach, stuck, test, tune, why};
 use crate::corpus::Row;
 use crate::diagnostic::render;
 use crate::experiment::Report;
@@ -27,6 +27,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("tests", closed(test::json_schema(), "What `hypedc test --format json` writes")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
+        ("diff", closed(diff::json_schema(), "What `hypedc diff --format json` writes")),
         ("why", closed(why::json_schema(), "What `hypedc why --format json` writes")),
         ("experiment", closed(Report::json_schema(), "What `hypedc experiment --format json` writes")),
         ("trace-header", closed(header, "The first line of a trace of `hypedc sim --trace`")),

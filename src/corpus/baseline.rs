@@ -5,22 +5,9 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::reach::Conclusion;
+use crate::reach::{Conclusion, Shift};
 
 use super::row::{Key, Row};
-
-/// Whether a change is for the better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum Change {
-    /// The verdict is the expected one now, and was not.
-    Better,
-    /// The verdict was the expected one, and is no longer.
-    Worse,
-    /// Another verdict, expected or not as before.
-    Other,
-}
 
 /// A verdict that is another one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -33,8 +20,8 @@ pub struct Flip {
     pub from: Conclusion,
     /// What it is.
     pub to: Conclusion,
-    /// For the better?
-    pub change: Change,
+    /// What that means.
+    pub change: Shift,
 }
 
 /// A path whose length is another one.
@@ -103,11 +90,7 @@ impl Comparison {
             if before.verdict == now.verdict {
                 found.unchanged += 1;
             } else {
-                let change = match (before.is_expected, now.is_expected) {
-                    (true, false) => Change::Worse,
-                    (false, true) => Change::Better,
-                    _ => Change::Other,
-                };
+                let change = Shift::of(key.kind, before.verdict, now.verdict);
                 found.flips.push(Flip { key: key.clone(), from: before.verdict, to: now.verdict, change });
             }
             if let (Some(from), Some(to)) = (before.steps, now.steps)
@@ -120,9 +103,11 @@ impl Comparison {
         found
     }
 
-    /// Whether an expected verdict was lost, or a new question has an unexpected one.
-    pub fn is_worse(&self) -> bool {
-        self.flips.iter().any(|flip| flip.change == Change::Worse) || self.added.iter().any(|lone| !lone.is_expected)
+    /// Whether something is not as it should be, and was: an expected verdict is worse or not found any more, a `never`
+    /// is violated, or a new question has an unexpected verdict.
+    pub fn is_failure(&self) -> bool {
+        let fails = |flip: &Flip| matches!(flip.change, Shift::Worse | Shift::Lost) || flip.to == Conclusion::Violated;
+        self.flips.iter().any(fails) || self.added.iter().any(|lone| !lone.is_expected)
     }
 
     /// As text, a line each.
@@ -134,12 +119,13 @@ impl Comparison {
             let _ = writeln!(out, "  {mark:7} {}: {what}", name(key));
         };
         for Flip { key, from, to, change } in &self.flips {
-            let mark = match change {
-                Change::Better => "better",
-                Change::Worse => "worse",
-                Change::Other => "other",
+            let more = match change {
+                Shift::Lost if *to == Conclusion::NotFound => " any more, not known to be worse",
+                Shift::Lost => ", not known to be worse",
+                Shift::Found => ", which may have been so before",
+                Shift::Worse | Shift::Other | Shift::Better | Shift::Same => "",
             };
-            line(mark, key, format!("{} → {}", from.words(), to.words()));
+            line(change.name(), key, format!("{} → {}{more}", from.words(), to.words()));
         }
         for Unpaired { key, verdict, .. } in &self.added {
             line("new", key, verdict.words().to_string());
@@ -170,23 +156,33 @@ mod tests {
 
     #[test]
     fn flips_have_a_direction() {
-        use Conclusion::{Error, NotFound, ProvenUnreachable, Reached, Violated};
+        use Conclusion::{Error, NotAnswered, NotFound, ProvenUnreachable, Reached, Violated};
         let old = [with("a", Reached, Some(100)), with("b", NotFound, None), with("c", NotFound, None)];
         let new = [with("a", NotFound, None), with("b", Reached, Some(9)), with("c", ProvenUnreachable, None)];
         let found = Comparison::of(&old, &new, 0.1);
-        let changes: Vec<Change> = found.flips.iter().map(|f| f.change).collect();
-        assert_eq!(changes, [Change::Worse, Change::Better, Change::Other]);
-        assert!(found.is_worse() && found.unchanged == 0);
-        assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_worse());
-        assert!(Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1).is_worse());
+        let changes: Vec<Shift> = found.flips.iter().map(|f| f.change).collect();
+        assert_eq!(changes, [Shift::Lost, Shift::Found, Shift::Other]);
+        assert!(found.is_failure() && found.unchanged == 0);
+        assert_eq!(
+            found.text("old.jsonl"),
+            "since old.jsonl: 0 as before\n  \
+             lost    a, goal out: reached → not found any more, not known to be worse\n  \
+             found   b, goal out: not found → reached, which may have been so before\n  \
+             other   c, goal out: not found → proven unreachable\n"
+        );
+        assert!(!Comparison::of(&old[1..], &new[1..], 0.1).is_failure());
+        let found = Comparison::of(&[with("a", Reached, None)], &[with("a", Error, None)], 0.1);
+        assert!(found.is_failure() && found.flips[0].change == Shift::Worse);
         // A path to a `never` predicate is no improvement.
         let never = |verdict: Conclusion| {
             let row = row("a");
-            let answer = Answer { kind: Kind::Never, verdict, is_expected: verdict == NotFound, ..row.answer };
-            Row { answer, ..row }
+            let is_expected = verdict == ProvenUnreachable;
+            Row { answer: Answer { kind: Kind::Never, verdict, is_expected, ..row.answer }, ..row }
         };
-        let found = Comparison::of(&[never(NotFound)], &[never(Violated)], 0.1);
-        assert_eq!(found.flips[0].change, Change::Worse);
+        let found = Comparison::of(&[never(ProvenUnreachable)], &[never(Violated)], 0.1);
+        assert!(found.is_failure() && found.flips[0].change == Shift::Worse);
+        let found = Comparison::of(&[never(NotAnswered)], &[never(Violated)], 0.1);
+        assert!(found.is_failure() && found.flips[0].change == Shift::Other, "it may have been violated before");
     }
 
     #[test]
@@ -194,8 +190,8 @@ mod tests {
         let (old, new) = ([row("a"), row("gone")], [row("a"), with("new", Conclusion::NotFound, None)]);
         let found = Comparison::of(&old, &new, 0.1);
         assert_eq!((found.unchanged, found.added.len(), found.vanished.len()), (1, 1, 1));
-        assert!(found.is_worse(), "what is new and fails is worse than nothing");
-        assert!(!Comparison::of(&old, &[row("a"), row("new")], 0.1).is_worse());
+        assert!(found.is_failure(), "what is new and fails is a failure");
+        assert!(!Comparison::of(&old, &[row("a"), row("new")], 0.1).is_failure());
         assert_eq!(
             found.text("old.jsonl"),
             "since old.jsonl: 1 as before\n  new     new, goal out: not found\n  gone    gone, goal out: was reached\n"

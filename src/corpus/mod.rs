@@ -8,7 +8,7 @@ mod junit;
 mod record;
 mod row;
 
-pub use baseline::{Change, Comparison, Flip, LengthChange, Unpaired};
+pub use baseline::{Comparison, Flip, LengthChange, Unpaired};
 pub use formats::{CSV_HEADER, csv_line, summary, table};
 pub use junit::junit;
 pub(crate) use junit::{class_name, printable, seconds};

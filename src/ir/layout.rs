@@ -142,6 +142,13 @@ impl Layout {
     }
 }
 
+impl World {
+    /// Lays out its state again, after a change of its spaces or slots.
+    pub fn lay_out(&mut self, program: &Program) {
+        self.layout = Layout::new(program, self);
+    }
+}
+
 /// The bytes that are taken.
 struct Taken(usize);
 

@@ -53,7 +53,7 @@ mod window;
 
 pub use crate::analysis::Part;
 pub use bounds::Sampling;
-pub use conclusion::Conclusion;
+pub use conclusion::{Conclusion, Shift};
 pub use controls::MAX_CONTROLS;
 pub use coverage::{Count, Covered, PLACE};
 pub use exchange::plan_from_script;

@@ -21,6 +21,7 @@ pub(in crate::cli) use set::SetArgs;
 pub(in crate::cli) use why::WhyArgs;
 
 use crate::cli::corpus::args::CorpusArgs;
+use crate::cli::diff::args::DiffArgs;
 use crate::cli::experiment::args::ExperimentArgs;
 use crate::cli::stuck::args::StuckArgs;
 use crate::cli::test::args::TestArgs;
@@ -60,6 +61,8 @@ pub(in crate::cli) enum Command {
     Tune(TuneArgs),
     /// Runs the tests that programs hold.
     Test(TestArgs),
+    /// Compares two programs: what changed, how players move, which answers differ.
+    Diff(DiffArgs),
     /// Runs planners many times over the same goals, and compares them in tables.
     Experiment(ExperimentArgs),
     /// Explains the code of a finding, or a word of the language.

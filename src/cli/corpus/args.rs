@@ -17,7 +17,8 @@ pub(in crate::cli) struct CorpusArgs {
     /// Writes a JUnit report, with a case for each level and goal.
     #[arg(long, value_name = "FILE.xml")]
     pub junit: Option<PathBuf>,
-    /// Reports what changed since an older run, whose `--results` file this is; fails if something is worse.
+    /// Reports what changed since an older run, whose `--results` file this is; fails if something is worse or is not
+    /// found any more.
     #[arg(long, value_name = "FILE.jsonl")]
     pub baseline: Option<PathBuf>,
     /// The difference in the length of a path, in percent of the baseline, above which it is listed.

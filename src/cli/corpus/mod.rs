@@ -3,7 +3,7 @@
 
 pub(in crate::cli) mod args;
 mod files;
-mod level;
+pub(in crate::cli) mod level;
 
 use std::collections::BTreeSet;
 use std::fs::{File, read_dir, write};
@@ -36,7 +36,7 @@ use files::{CsvFile, RecordFile};
 use level::{CorpusContext, Level, TaskResult};
 
 /// The version of the JSON result.
-const RESULT_VERSION: u32 = 3;
+const RESULT_VERSION: u32 = 4;
 
 /// The extensions of level files in a folder.
 const EXTENSIONS: [&str; 3] = ["txt", "tmx", "tmj"];
@@ -236,7 +236,7 @@ impl Run<'_> {
             writeln!(io::stderr(), "stopped when {} of {all} were done; {on}", rows.len())?;
         }
         let is_no = match &comparison {
-            Some(comparison) => comparison.is_worse(),
+            Some(comparison) => comparison.is_failure(),
             None => rows.iter().any(|kept| !kept.row.answer.is_expected),
         };
         // A wrong analysis is never expected.
@@ -353,9 +353,14 @@ fn levels(args: &ReachArgs, is_open: bool) -> Result<Vec<Level>, Refusal> {
         let help = Some("write `map level TILES` or `map level legend \"FILE\" tile 16 x 16` in a space".to_string());
         return Err(Refusal::of(NoQuestion { why, near: None, help }));
     }
+    all_levels(&args.map).map_err(Refusal::Plain)
+}
+
+/// The levels of paths and folders, without duplicates.
+pub(in crate::cli) fn all_levels(map: &[PathBuf]) -> Result<Vec<Level>, String> {
     let mut paths: Vec<PathBuf> = Vec::new();
-    for path in &args.map {
-        let found = if path.is_dir() { in_folder(path).map_err(Refusal::Plain)? } else { vec![path.clone()] };
+    for path in map {
+        let found = if path.is_dir() { in_folder(path)? } else { vec![path.clone()] };
         for path in found {
             // A leading `./` does not change the name in the rows.
             let path = path.strip_prefix(".").map_or(path.clone(), Path::to_path_buf);
@@ -404,7 +409,7 @@ fn names(paths: &[PathBuf]) -> Vec<String> {
 }
 
 /// A progress bar, on a terminal only.
-fn bar(questions: usize) -> ProgressBar {
+pub(in crate::cli) fn bar(questions: usize) -> ProgressBar {
     let target = if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let bar = ProgressBar::with_draw_target(Some(questions as u64), target);
     let style = ProgressStyle::with_template("{spinner} {pos} of {len} done  {elapsed}, about {eta} left");

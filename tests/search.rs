@@ -12,6 +12,7 @@ mod cli;
 mod corpus;
 mod experiment;
 mod guard;
+mod misses;
 mod pictures;
 mod questions;
 mod reach;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::questions::inputs;
-use crate::support::{Disk, files, program, script_of};
+use crate::support::{Disk, files, program, script_of, sized};
 use hypedc::compile::{Asked, Changes, Compilation, ExtraQuestion, compile, compile_changed};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::query::{Answer, Query, Session};
@@ -20,8 +20,6 @@ use hypedc::watch::Unwatched;
 
 /// Nodes of each search.
 const NODES: u64 = 10_000;
-/// Maximum number of states of a brute force.
-const MAX_STATES: usize = 40_000;
 /// How far a distance may be from the truth: a pixel, a step, a unit.
 const PRECISION: f64 = 1.0;
 
@@ -132,7 +130,14 @@ fn the_nearest_state_is_as_near_as_it_is_known_to_be() {
         });
         if found.len() != case.misses.len() || !found.iter().zip(&case.misses).all(agrees) || !is_there {
             let phrases: Vec<String> = nearest.parts.iter().map(PartState::phrase).collect();
-            wrong += &format!("{}: {:?}, step {} at x {}: {}\n", case.name(), answer.verdict, at.step, at.x, phrases.join("; "));
+            wrong += &format!(
+                "{}: {:?}, step {} at x {}: {}\n",
+                case.name(),
+                answer.verdict,
+                at.step,
+                at.x,
+                phrases.join("; ")
+            );
         }
         replays(case, &nearest.at);
         why.parts.iter().filter_map(|part| part.at.as_ref()).for_each(|at| replays(case, at));
@@ -181,7 +186,7 @@ fn all_states(sim: &Simulator, goal: GoalId) -> Option<Vec<State>> {
             }
         }
         at += 1;
-        if states.len() > MAX_STATES {
+        if states.len() > sized(40_000, 1_000_000) {
             return None;
         }
     }
@@ -202,18 +207,26 @@ fn weakened(part: &str, by: f64) -> Option<String> {
     (!part.contains(" or ") && b.find(['<', '>']).is_none()).then(|| format!("{a} {sign} {by:.6}{op}{b}"))
 }
 
+/// The parts that a goal joins with `and`, each comparison by itself.
+fn conjuncts(text: &str) -> Vec<String> {
+    let split = |part: &str| match part.split(" < ").collect::<Vec<_>>()[..] {
+        [low, middle, high] => vec![format!("{low} < {middle}"), format!("{middle} < {high}")],
+        _ => vec![part.to_string()],
+    };
+    text.split(" and ").flat_map(split).collect()
+}
+
 /// The goal with its missing parts weakened by their distances and a little more (true) or less.
 fn weakened_goal(case: &Case, more: f64) -> Option<String> {
     let span = case.program.spans.exprs[case.program.worlds[case.world].goals[case.id].holds];
-    let mut text = case.sources.slice(span).to_string();
+    let mut parts = conjuncts(case.sources.slice(span));
     for miss in &case.misses {
         let Ok((distance, _)) = &miss.by else { return None };
+        let part = parts.iter_mut().find(|part| **part == miss.part)?;
         // What need not be nearer at all need not be asked.
-        let by = distance + more;
-        let part = weakened(&miss.part, by.max(0.0)).filter(|_| text.contains(&miss.part))?;
-        text = text.replace(&miss.part, &format!("({part})"));
+        *part = weakened(part, (distance + more).max(0.0))?;
     }
-    Some(text)
+    Some(parts.join(" and "))
 }
 
 /// In all states of finite worlds: some are as near as it is known, and none is nearer by more than a little.

@@ -11,9 +11,7 @@ use crate::analysis::generate as lively;
 use crate::oracle::generate as tiny;
 use crate::support::{Text, script_of, sized, stir};
 use hypedc::analysis::configuration_space;
-use hypedc::compile::{
-    Asked, Changes, Compilation, ExtraQuestion, NumberSetting, compile_changed, written_number,
-};
+use hypedc::compile::{Asked, Changes, Compilation, ExtraQuestion, NumberSetting, compile_changed, written_number};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::query::{Query, Session};
 use hypedc::reach::stuck::{CandidateLimits, find_candidates, find_stuck};

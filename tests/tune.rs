@@ -429,7 +429,10 @@ world Test {
                 "        place hero: Hero at (20, 20)\n        place gate: Gate at (80, 0)",
                 "hero.x > 100",
             )
-            .replace("    player 1", "    collide player with late: sense\n    never late: hero touching late\n    player 1"),
+            .replace(
+                "    player 1",
+                "    collide player with late: sense\n    never late: hero touching late\n    player 1",
+            ),
             ("Gate.stays", 0.1, 0.8),
             GATE,
         ),

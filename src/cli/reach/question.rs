@@ -16,7 +16,7 @@ use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
 
 /// The name of the `never` that `--without` adds: not a valid name in a program.
-const WITHOUT: &str = "--without";
+pub(in crate::cli) const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
 /// The source of predicates of `--never`.

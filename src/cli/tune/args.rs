@@ -58,6 +58,9 @@ pub(in crate::cli) struct TuneArgs {
     /// times.
     #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
+    /// Only paths on which this predicate never holds, such as `hero in dead`.
+    #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
+    pub without: Option<String>,
     /// Only paths that take at most this time, such as `600frames` or `10s`.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub within: Option<Time>,

@@ -13,7 +13,8 @@ pub(super) fn result_text(result: &TuneResult, args: &TuneArgs) -> String {
     let TuneResult { file, world, seed, goal, .. } = result;
     let set: String = result.set.iter().map(|set| format!(", {set}")).collect();
     let axes: Vec<String> = result.numbers.iter().map(range).collect();
-    let mut out = format!("{file}, world {world}, seed {seed}{set}: {}\n", axes.join(", "));
+    let without = result.without.as_ref().map_or(String::new(), |without| format!(", without {without}"));
+    let mut out = format!("{file}, world {world}, seed {seed}{set}{without}: {}\n", axes.join(", "));
     match (&result.change, result.trials.first()) {
         (Some(change), _) => out.push_str(&change_text(result, change, args.verbose)),
         (None, Some(base)) if result.is_wanted_already => {

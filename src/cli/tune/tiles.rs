@@ -50,6 +50,8 @@ struct TilesResult {
     goal: String,
     /// Whether tiles are sought with which the goal is proven unreachable.
     prevent: bool,
+    /// What must never hold on a path; null if anything may.
+    without: Option<String>,
     /// The number of tiles that may be changed.
     allowed: u64,
     /// What came of the level as it is.
@@ -182,6 +184,7 @@ pub(super) fn run(
         set: args.numbers.texts(),
         goal,
         prevent: args.prevent,
+        without: args.without.clone(),
         allowed,
         base,
         change: set,
@@ -244,7 +247,9 @@ fn rows(levels: &Levels<'_>, edits: &[TileEdit]) -> Vec<MapRow> {
 fn text(result: &TilesResult, args: &TuneArgs) -> String {
     let TilesResult { file, world, goal, base, .. } = result;
     let set: String = result.set.iter().map(|set| format!(", {set}")).collect();
-    let mut out = format!("{file}, world {world}{set}: {} may be changed\n", counted(result.allowed, "tile"));
+    let without = result.without.as_ref().map_or(String::new(), |without| format!(", without {without}"));
+    let tiles = counted(result.allowed, "tile");
+    let mut out = format!("{file}, world {world}{set}{without}: {tiles} may be changed\n");
     match &result.change {
         Some(change) => {
             out.push_str(&format!(

@@ -230,9 +230,7 @@ impl Atom {
                 }
                 match approach.left(sim, state) {
                     None => Lack::unmeasured(2.0 * TRUTH),
-                    Some((edges, cost)) => {
-                        Lack { holds, distance: Some(f64::from(edges)), cost: TRUTH - 1.0 + cost }
-                    }
+                    Some((edges, cost)) => Lack { holds, distance: Some(f64::from(edges)), cost: TRUTH - 1.0 + cost },
                 }
             }),
             Gauge::Truth => truth().map(Lack::truth),

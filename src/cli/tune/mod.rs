@@ -29,7 +29,7 @@ use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Disk;
 use crate::cli::goal::chosen_goal;
-use crate::cli::reach::question::{NEVER, WITHOUT, asked_only, unknown};
+use crate::cli::reach::question::{NEVER, WITHOUT, asked_only, read_scripts, unknown};
 use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
 use crate::cli::reach::shade;
 use crate::cli::refusal::Refusal;
@@ -145,6 +145,7 @@ fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Ques
         // The compiler appends it.
         without: args.without.as_ref().and_then(|_| table.nevers.ids().next_back()).into_iter().collect(),
         asked: asked_only(loaded, world),
+        after: read_scripts(loaded, world, &args.after)?,
         chance: args.chance,
         ..Query::new(vec![Target::Goal(goal)])
     };
@@ -211,6 +212,7 @@ fn record(
         goal: question.query.targets.first().map_or("", |target| target.name(table)).to_string(),
         prevent: args.prevent,
         without: args.without.clone(),
+        after: args.after.clone(),
         seed: args.seed,
         nodes_limit: args.nodes,
         seconds_limit: args.seconds,

@@ -21,7 +21,7 @@ use crate::watch::Watch;
 
 use super::Disked;
 use super::args::{TilesName, TuneArgs};
-use super::text::timed_verdict;
+use super::text::{limits, timed_verdict};
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Changed;
@@ -52,6 +52,8 @@ struct TilesResult {
     prevent: bool,
     /// What must never hold on a path; null if anything may.
     without: Option<String>,
+    /// The scripts in whose last states the paths begin; if empty, in the initial state.
+    after: Vec<String>,
     /// The number of tiles that may be changed.
     allowed: u64,
     /// What came of the level as it is.
@@ -185,6 +187,7 @@ pub(super) fn run(
         goal,
         prevent: args.prevent,
         without: args.without.clone(),
+        after: args.after.clone(),
         allowed,
         base,
         change: set,
@@ -247,9 +250,8 @@ fn rows(levels: &Levels<'_>, edits: &[TileEdit]) -> Vec<MapRow> {
 fn text(result: &TilesResult, args: &TuneArgs) -> String {
     let TilesResult { file, world, goal, base, .. } = result;
     let set: String = result.set.iter().map(|set| format!(", {set}")).collect();
-    let without = result.without.as_ref().map_or(String::new(), |without| format!(", without {without}"));
     let tiles = counted(result.allowed, "tile");
-    let mut out = format!("{file}, world {world}{set}{without}: {tiles} may be changed\n");
+    let mut out = format!("{file}, world {world}{set}{}: {tiles} may be changed\n", limits(args));
     match &result.change {
         Some(change) => {
             out.push_str(&format!(

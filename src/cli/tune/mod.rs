@@ -132,6 +132,7 @@ impl Host for Disked<'_> {
 /// The question of the arguments.
 fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Question, Refusal> {
     let axes = args.vary.iter().map(|vary| axis(args, vary)).collect::<Result<Vec<Axis>, Refusal>>()?;
+    let after = read_scripts(loaded, world, &args.after)?;
     let table = &loaded.program.worlds[world];
     let goal = chosen_goal(table, args.goal.as_deref()).map_err(Refusal::of)?;
     let min_hold = args.min_hold.map_or(1, |time| time.steps(table));
@@ -145,7 +146,7 @@ fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Ques
         // The compiler appends it.
         without: args.without.as_ref().and_then(|_| table.nevers.ids().next_back()).into_iter().collect(),
         asked: asked_only(loaded, world),
-        after: read_scripts(loaded, world, &args.after)?,
+        after,
         chance: args.chance,
         ..Query::new(vec![Target::Goal(goal)])
     };

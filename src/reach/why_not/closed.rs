@@ -129,7 +129,7 @@ impl Asker<'_> {
     fn closed_mode(&self, (slot, mode, edges): (SlotId, ModeId, &[EdgeId]), is_asked: bool) -> Option<ClosedMode> {
         let Asker { problem, sources, script } = *self;
         let asked = (Some(mode), edges);
-        let found = nearly(problem.sim, sources, (script, problem.seed()), script.len(), slot, asked).ok()?;
+        let found = nearly(problem.sim, sources, (script, problem.seed()), script.len() + 1, slot, asked).ok()?;
         let lacks = |edge: &NearlyEdge| {
             let distance: f64 = edge.missing.iter().filter_map(|missing| missing.distance).sum();
             (edge.step.is_none(), edge.missing.len(), distance)

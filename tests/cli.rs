@@ -338,6 +338,15 @@ fn reach_answers_with_exit_codes() {
 }
 
 #[test]
+fn tune_says_what_it_can_change() {
+    let out = hypedc(&["tune", "examples/mario.hyped"]);
+    let message = String::from_utf8(out.stderr).unwrap();
+    assert_eq!(out.status.code(), Some(2));
+    assert!(message.contains("--vary") && message.contains("--tiles"), "{message}");
+    assert_eq!(code(&["tune", "examples/mario.hyped", "--vary", "Mario.x=1..2", "--tiles", "add"]), 2);
+}
+
+#[test]
 fn reach_saves_inputs_that_replay_and_repeat() {
     let mut saved = Vec::new();
     for name in ["first.inputs", "second.inputs"] {

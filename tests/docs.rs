@@ -89,16 +89,21 @@ fn file_of(fence: &str) -> Option<&str> {
     fence.split_once("file=\"")?.1.split('"').next()
 }
 
-/// The words of a command line, single quotes taken off.
+/// The words of a command line, with the quotes around them taken off.
 fn words(command: &str) -> Vec<String> {
-    let mut words = Vec::new();
-    for (index, part) in command.split('\'').enumerate() {
-        if index % 2 == 1 {
-            words.push(part.to_string());
-        } else {
-            words.extend(part.split_whitespace().map(str::to_string));
+    let (mut words, mut word, mut open) = (Vec::new(), None::<String>, None);
+    for c in command.chars() {
+        match (open, c) {
+            (None, '\'' | '"') => {
+                open = Some(c);
+                word.get_or_insert_default();
+            }
+            (Some(quote), c) if c == quote => open = None,
+            (None, c) if c.is_whitespace() => words.extend(word.take()),
+            (_, c) => word.get_or_insert_default().push(c),
         }
     }
+    words.extend(word);
     words
 }
 

@@ -235,3 +235,55 @@ fn emacs_has_the_words() {
     }
     same("the mode for Emacs", &found, &all(&[reserved(), contextual(), functions()]));
 }
+
+/// The words of the grammar's rules of tests: what stands in a `test` block, expressions apart.
+fn test_words() -> Words {
+    let grammar = read("grammar/hyped.pest");
+    let (_, section) = grammar.split_once("// ---- tests of a world").expect("the rules of tests");
+    let (section, _) = section.split_once("// ---- expressions").expect("the rules of expressions");
+    let names: Words = words(section.split(|c: char| !c.is_alphanumeric() && c != '_').map(str::to_string));
+    let is_of_tests = |line: &&str| {
+        let name = line.split_once(" =").map_or("", |(name, _)| name);
+        name.starts_with("word_") && name != "word_test" && names.contains(name)
+    };
+    words(grammar.lines().filter(is_of_tests).flat_map(|line| quoted(line, false)))
+}
+
+/// In a `test` block, editors highlight the words of tests: each has patterns for such blocks, with exactly these words.
+#[test]
+fn editors_know_the_words_of_tests() {
+    let expected = test_words();
+    assert!(expected.len() >= 14 && expected.contains("unfound") && expected.contains("seed"), "{expected:?}");
+
+    let grammar: Value = serde_json::from_str(&read("editors/vscode/syntaxes/hyped.tmLanguage.json")).unwrap();
+    let mut found = Words::new();
+    objects(&grammar["repository"]["claims"], &mut |map| {
+        if let Some(pattern) = map.get("match").and_then(Value::as_str) {
+            words_of_pattern(pattern, &[], &mut found);
+        }
+    });
+    same("the TextMate grammar's `claims`", &found, &expected);
+    let mut blocks = 0;
+    objects(&grammar, &mut |map| blocks += usize::from(map.get("include").is_some_and(|rule| rule == "#claims")));
+    assert!(blocks > 0, "no block of the TextMate grammar has claims");
+
+    let mut found = Words::new();
+    let vim = read("editors/vim/syntax/hyped.vim");
+    for line in vim
+        .lines()
+        .filter(|line| ["hypedClaim", "hypedMoment"].iter().any(|name| line.starts_with(&format!("syn match {name} "))))
+    {
+        words_of_pattern(delimited(line.splitn(4, ' ').nth(3).unwrap()), &['z', '_'], &mut found);
+    }
+    same("Vim's `hypedClaim` and `hypedMoment`", &found, &expected);
+    let region = vim.lines().find(|line| line.starts_with("syn region hypedTest "));
+    assert!(region.is_some_and(|line| line.contains("hypedClaim") && line.contains("hypedMoment")), "{region:?}");
+
+    let mode = read("editors/emacs/hyped-mode.el");
+    let mut found = Words::new();
+    for line in mode.lines().filter(|line| line.trim_start().starts_with("(claims ")) {
+        quoted(line, true).iter().for_each(|pattern| words_of_pattern(pattern, &['_'], &mut found));
+    }
+    same("Emacs' `claims`", &found, &expected);
+    assert!(mode.contains("(\"test\" . claims)"), "Emacs finds no `test` blocks");
+}

@@ -10,7 +10,7 @@ pub mod collide;
 mod compare;
 mod evaluate;
 mod flow;
-mod generate;
+pub mod generate;
 mod lamps;
 mod members;
 mod model;

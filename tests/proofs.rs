@@ -8,5 +8,6 @@ mod analysis;
 mod bounds;
 mod findings;
 mod oracle;
+mod replays;
 mod soundness;
 mod supply;

@@ -43,8 +43,8 @@ fn asked(problem: &Problem<'_>, planner: Planner, seed: u64, nodes: u64) -> Outc
 }
 
 /// All combinations of buttons, and of axes at -1, 0 and 1.
-fn inputs(program: &Program) -> Vec<Input> {
-    let world = &program.worlds[WORLD];
+pub fn inputs(program: &Program, world: WorldId) -> Vec<Input> {
+    let world = &program.worlds[world];
     let mut all = vec![Input::nothing(world.players.len())];
     for (id, player) in world.players.pairs() {
         let entity = &program.entities[world.slots[player.slot].entity];
@@ -72,7 +72,7 @@ fn inputs(program: &Program) -> Vec<Input> {
 /// The result of a breadth-first search: the minimum number of steps to the target by inputs that are held for a
 /// minimum number of steps; none if there is no path; no result if that takes too many nodes.
 fn by_steps(problem: &Problem<'_>, least: usize, most: usize) -> Option<Option<u64>> {
-    let inputs = inputs(problem.sim.program());
+    let inputs = inputs(problem.sim.program(), WORLD);
     let mut scratch = problem.sim.scratch();
     let initial = problem.sim.initial(&mut scratch).unwrap();
     let mut known: HashSet<(State, usize, usize)> = HashSet::new();
@@ -269,7 +269,7 @@ proptest! {
         let sim = Simulator::new(&program, WORLD);
         let nevers: Vec<_> = sim.world().nevers.iter().map(|n| n.holds).collect();
         let space = hypedc::analysis::configuration_space_without(&program, WORLD, &nevers);
-        let inputs = inputs(&program);
+        let inputs = inputs(&program, WORLD);
         let mut scratch = sim.scratch();
         let mut state = sim.initial(&mut scratch).unwrap();
         let players: Vec<SlotId> = sim.world().players.iter().map(|p| p.slot).collect();

@@ -14,6 +14,7 @@ mod diff;
 mod experiment;
 mod figures;
 mod guard;
+mod misses;
 mod pictures;
 mod questions;
 mod reach;

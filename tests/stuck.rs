@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, program};
+use crate::support::{Disk, compile_text, files, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, WorldId};
@@ -150,20 +150,21 @@ fn check(name: &str, text: &str, buttons: u64) -> StateCounts {
     let answer = exact(&program).unwrap_or_else(|gap| panic!("{name}: {gap:?}"));
     assert_eq!(answer.counts, expected, "{name}");
     assert_eq!(answer.starts_well, arrives[0], "{name}");
+    assert!(answer.ways.first().is_none_or(|way| way.is_apart), "{name}");
     // There is a way in exactly if something is stuck and the start is not.
     assert_eq!(!answer.ways.is_empty(), arrives[0] && expected.stuck > 0, "{name}");
     assert_eq!(answer.places, answer.ways.len().min(WAYS), "{name}");
     let number = |state: &State| all.states.iter().position(|known| known == state).unwrap();
-    let mut last = 0;
+    let mut last = (false, 0);
     for way in &answer.ways {
         let end = way.script.len();
         let before = number(&after(&sim, &way.script.first(end - 1)));
         assert!(arrives[before], "{name}: {}", way.place);
         let at = number(&after(&sim, &way.script));
         assert!(stays[at], "{name}: {}", way.place);
-        assert!(end >= last, "{name}: the shortest come first");
+        assert!((!way.is_apart, end) >= last, "{name}: of each kind, the shortest come first");
         assert!(1 <= way.behind && way.behind <= expected.stuck + expected.doomed, "{name}");
-        last = end;
+        last = (!way.is_apart, end);
     }
     expected
 }
@@ -271,6 +272,59 @@ world Room {{
     )
 }
 
+/// A walker seen from above, on floor and on bridges that break behind it; `>` is floor that cannot be left to the left, `k` a
+/// key without which `d` cannot be entered.
+fn bridges(room: &[&str]) -> String {
+    let mut edges = String::new();
+    for (input, (x, y)) in [
+        ("horizontal > 0 and vertical == 0", (16, 0)),
+        ("horizontal < 0 and vertical == 0 and not touching(body at (0, 0), oneway)", (-16, 0)),
+        ("vertical > 0 and horizontal == 0", (0, 16)),
+        ("vertical < 0 and horizontal == 0", (0, -16)),
+    ] {
+        let there = format!("body at ({x}, {y})");
+        let goes = format!(
+            "{input} and (touching({there}, floor) or touching({there}, bridge)) and (has_key or not touching({there}, door))"
+        );
+        edges += &format!("        when {goes} and touching(body at (0, 0), bridge) as b {{ destroy b }}\n");
+        edges += &format!("        when {goes} {{ x += {x}; y += {y} }}\n");
+    }
+    format!(
+        "entity Walker {{
+    discrete has_key: bool = false
+    axis horizontal, vertical
+    collider body: rect(0, 0, 16, 16)
+    mode walking {{
+        when touching(body at (0, 0), home) -> home
+        when touching(body at (0, 0), key) {{ has_key := true }}
+{edges}    }}
+    mode home {{ }}
+}}
+world Bridges {{
+    step 1/60
+    tiles room 16 x 16 {{
+        '.': empty
+        'F': floor
+        'G': floor, home
+        '>': floor, oneway
+        'k': floor, key
+        'd': floor, door
+        'b': bridge breakable
+    }}
+    space main {{
+        map room \"
+            {}
+        \"
+        place hero: Walker at (0, 0)
+    }}
+    player 1: hero
+    goal home: hero in home
+}}
+",
+        room.join("\n            ")
+    )
+}
+
 /// A small room with walls and as many crates as spots, all at random.
 fn random_room(seed: u64) -> Vec<String> {
     let mut rng = Pcg64::seed_from_u64(seed);
@@ -339,6 +393,38 @@ fn grids_are_as_brute_force_says() {
 }
 
 #[test]
+fn bridges_that_break_are_as_brute_force_says() {
+    // Whoever goes up to the key first comes back over the second bridge; over the first, the way home is broken.
+    let key = ["kbF..", "b.bdG", "FbF.."];
+    let counts = check("key", &bridges(&key), 0);
+    assert!(counts.stuck > 0 && counts.arriving > 0, "{counts:?}");
+    let side = ["..F..", "..b..", "FbFbG"];
+    let counts = check("side", &bridges(&side), 0);
+    assert!(counts.stuck > 0 && counts.arriving > 0, "{counts:?}");
+    let ledge = ["FFFFG", "F....", "F>FFF"];
+    let counts = check("one way", &bridges(&ledge), 0);
+    assert!(counts.stuck >= 3 && counts.arriving > 0, "{counts:?}");
+    // Rooms at random, most of which can be spoilt.
+    let (mut stuck, mut arriving) = (0, 0);
+    for seed in 1..=12 {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let mut cells: Vec<Vec<char>> = (0..4)
+            .map(|_| (0..5).map(|_| ['F', 'b', 'b', 'F', '>', '.', 'k', 'd'][rng.random_range(0..8)]).collect())
+            .collect();
+        (cells[3][0], cells[rng.random_range(0..3)][4]) = ('F', 'G');
+        let room: Vec<String> = cells.into_iter().map(|row| row.into_iter().collect()).collect();
+        let room: Vec<&str> = room.iter().map(String::as_str).collect();
+        let counts = check(&format!("bridges {seed}: {room:?}"), &bridges(&room), 0);
+        stuck += u64::from(counts.stuck > 0 && counts.arriving > 0);
+        arriving += u64::from(counts.arriving > 0);
+    }
+    assert!(stuck >= 2 && arriving >= 3, "{stuck}, {arriving}");
+    let apart = ["FbF.G", "b.b..", "FbF.."];
+    let counts = check("apart", &bridges(&apart), 0);
+    assert!(counts.arriving == 0 && counts.stuck == counts.all, "{counts:?}");
+}
+
+#[test]
 fn nothing_is_claimed_where_states_are_left_out() {
     let program = program(compile_text(&sokoban(&["#####", "#@..#", "#.$.#", "#..o#", "#####"])));
     let sim = Simulator::new(&program, WorldId(0));
@@ -353,25 +439,19 @@ fn nothing_is_claimed_where_states_are_left_out() {
 
 // Platform worlds.
 
-/// A runner that jumps 62 px high, with some geometry and things, and a goal.
-fn platforms(things: &str, entities: &str, goal: &str) -> Arc<Program> {
-    platforms_from((40, ""), things, entities, goal)
-}
-
-/// As [`platforms`], with the x at which the runner begins, and another line of the world.
-fn platforms_from((x, line): (i32, &str), things: &str, entities: &str, goal: &str) -> Arc<Program> {
+/// A runner that jumps 62 px high, with some geometry and a goal.
+fn platforms(things: &str, goal: &str) -> Arc<Program> {
     let runner = std::fs::read_to_string("tests/verdicts/parts/runner.hyped").unwrap();
     program(compile_text(&format!(
-        "{runner}\n{entities}
+        "{runner}
 world W {{
     step 1/64
     collide body with floor: block
-    {line}
     space main {{
         bounds rect(0, 0, 480, 320)
         rect floor (0, 0, 8, 320)
         rect floor (472, 0, 8, 320)
-        place hero: Runner at ({x}, 160)
+        place hero: Runner at (40, 160)
         {things}
     }}
     player 1: hero
@@ -417,54 +497,65 @@ fn floor(gaps: &[(i32, i32, i32)]) -> String {
 const NODES: u64 = 30_000;
 
 #[test]
-fn pits_that_are_too_deep_are_found() {
-    let deep = platforms(&floor(&[(160, 220, 64)]), "", "hero.x > 400");
+fn the_same_seed_gives_the_same_candidates() {
+    let deep = platforms(&floor(&[(160, 220, 64)]), "hero.x > 400");
     let found = candidates(&deep, NODES, 1).unwrap();
-    let at = places(&deep, &found);
-    assert!(matches!(at.as_slice(), [(x, 64.0)] if (160.0..=204.0).contains(x)), "{at:?}");
-    assert_eq!(candidates(&deep, NODES, 1).unwrap(), found, "the same seed gives the same candidates");
-    // One of two is shallow.
-    let two = platforms(&floor(&[(120, 180, 110), (260, 320, 64)]), "", "hero.x > 400");
-    let at = places(&two, &candidates(&two, NODES, 1).unwrap());
-    assert!(matches!(at.as_slice(), [(x, 64.0)] if (260.0..=304.0).contains(x)), "{at:?}");
-    // Both are deep.
-    let both = platforms(&floor(&[(120, 170, 64), (260, 310, 48)]), "", "hero.x > 400");
-    let mut at = places(&both, &candidates(&both, NODES, 1).unwrap());
-    at.sort_by(|a, b| a.0.total_cmp(&b.0));
-    assert!(matches!(at.as_slice(), [(a, 64.0), (b, 48.0)] if *a < 170.0 && *b >= 260.0), "{at:?}");
+    assert_eq!(candidates(&deep, NODES, 1).unwrap(), found);
+}
+
+/// The pits of a world in `tests/stuck`, from the lines at its beginning: from where to where the hero can be, at which
+/// height.
+fn pits(text: &str) -> Vec<(f64, f64, f64)> {
+    let lines = text.lines().map_while(|line| line.strip_prefix("// pit "));
+    let pit = |line: &str| {
+        let (place, _) = line.split_once(": ")?;
+        let (range, height) = place.split_once(" at ")?;
+        let (from, to) = range.split_once("..")?;
+        Some((from.parse().ok()?, to.parse().ok()?, height.parse().ok()?))
+    };
+    lines.map(|line| pit(line).unwrap_or_else(|| panic!("{line}"))).collect()
+}
+
+#[test]
+fn all_pits_that_are_planted_are_found() {
+    let paths = files("tests/stuck", "hyped");
+    assert!(paths.len() >= 5);
+    for path in paths {
+        let planted = pits(&std::fs::read_to_string(&path).unwrap());
+        let world = program(compile(&path, &Disk));
+        // Where all states can be visited, the first ways lead into one pit each.
+        let answer = exact(&world).unwrap();
+        let apart = answer.ways.iter().take_while(|way| way.is_apart).count();
+        assert_eq!(apart, planted.len(), "{}: {:?}", path.display(), &answer.ways[..apart]);
+        let found = candidates(&world, NODES, 1).unwrap();
+        let at = places(&world, &found);
+        let is_in = |(x, y): &(f64, f64), (from, to, height): &(f64, f64, f64)| from <= x && x <= to && y == height;
+        for pit in &planted {
+            assert!(at.iter().any(|place| is_in(place, pit)), "{}: {pit:?} is not among {at:?}", path.display());
+        }
+        if path.ends_with("trap.hyped") {
+            let changes = &found.candidates[0].changes;
+            assert!(changes.iter().any(|change| change.contains("trap")), "{found:?}");
+        }
+        for place in &at {
+            assert!(planted.iter().any(|pit| is_in(place, pit)), "{}: {place:?} is no pit", path.display());
+        }
+    }
 }
 
 #[test]
 fn a_pit_with_a_ledge_is_fine() {
     let things = floor(&[(160, 260, 64)]) + "rect floor (220, 64, 40, 48)\n";
-    let program = platforms(&things, "", "hero.x > 400");
+    let program = platforms(&things, "hero.x > 400");
     let found = candidates(&program, NODES, 1).unwrap();
     assert_eq!(places(&program, &found), [], "{found:?}");
     assert!(found.rest_places > 10, "{found:?}");
 }
 
 #[test]
-fn a_room_whose_door_closes_is_found() {
-    let trap = "entity Trap {
-    kinematic collider floor: rect(0, 0, 8, 64) when in closed
-    collider wire: rect(-40, 0, 16, 64)
-    mode open { when touching(wire, player) -> closed }
-    mode closed { }
-}";
-    let things = floor(&[]) + "rect floor (300, 224, 172, 8)\nplace trap: Trap at (120, 160)\n";
-    let things = things.replace("place trap", "rect floor (8, 224, 112, 96)\nplace trap");
-    // The hero begins on the right of the trap.
-    let program = platforms_from((200, "collide player with wire: sense"), &things, trap, "hero.x > 400");
-    let found = candidates(&program, NODES, 1).unwrap();
-    let at = places(&program, &found);
-    assert!(matches!(at.as_slice(), [(x, 160.0)] if *x < 120.0), "{at:?}");
-    assert!(found.candidates[0].changes.iter().any(|change| change.contains("trap")), "{found:?}");
-}
-
-#[test]
 fn nothing_is_said_where_players_never_rest_or_nothing_arrives() {
     let flappy = program(compile("examples/flappy.hyped".as_ref(), &Disk));
     assert_eq!(candidates(&flappy, 20_000, 1), Err(Unknown::NoRest));
-    let walled = platforms(&floor(&[(160, 200, 160)]), "", "hero.y > 300");
+    let walled = platforms(&floor(&[(160, 200, 160)]), "hero.y > 300");
     assert!(matches!(candidates(&walled, 2_000, 1), Err(Unknown::NotFound | Unknown::Unreachable)));
 }

@@ -244,6 +244,33 @@ fn numbers_change_together_only_if_one_is_not_enough() {
     assert!(found.change.as_ref().is_some_and(|change| !change.is_proven_smallest));
 }
 
+/// From where a script leads to, the goal counts only from there on; what is replayed begins in the same way.
+#[test]
+fn a_question_after_a_script_begins_there() {
+    let text = jumper(120.0, -900.0, 60.0, "hero.y >= 60 and hero.x < 20");
+    let program = Texts(&text).build(&[]).unwrap().program;
+    let found = tuned(&text, &[("Hero.jump_speed", 100.0, 600.0)], |question| {
+        question.query.after = vec![script(&program, "-*30")];
+    });
+    assert_near(&found, solved(100.0, 600.0, |jump| height(jump, -900.0) >= 44.0), "a jump after half a second");
+    for trial in found.trials.iter().filter(|trial| trial.verdict == Conclusion::Reached) {
+        let inputs = script(&program, trial.inputs.as_ref().unwrap());
+        assert_eq!(inputs.first(30), script(&program, "-*30"), "{trial:?}");
+        assert!(inputs.len() > 30, "{trial:?}");
+    }
+}
+
+/// A path on which something never holds.
+#[test]
+fn a_question_without_something_leaves_it_out() {
+    let text =
+        jumper(120.0, -900.0, 60.0, "hero.y >= 60").replace("goal done", "never left: hero.x < 16\n    goal done");
+    let found = tuned(&text, &[("Hero.jump_speed", 100.0, 600.0)], |question| {
+        question.query.without = vec![hypedc::ir::NeverId(0)];
+    });
+    assert_near(&found, solved(100.0, 600.0, |jump| height(jump, -900.0) >= 44.0), "a jump that does not go left");
+}
+
 #[test]
 fn a_broken_never_does_not_count() {
     let plain = jumper(200.0, -900.0, 60.0, "hero.y >= 60");
@@ -265,6 +292,293 @@ fn nothing_changes_where_nothing_needs_to() {
     let text = jumper(400.0, -900.0, 60.0, "hero.y >= 40");
     let found = tuned(&text, &[("Hero.jump_speed", 100.0, 500.0)], |_| {});
     assert!(found.is_wanted_already() && found.change.is_none() && found.trials.len() == 1);
+}
+
+/// A world of its own, a number of it, the range, the nodes of each search, and where the answer turns.
+struct Threshold {
+    what: &'static str,
+    text: String,
+    vary: (&'static str, f64, f64),
+    nodes: u64,
+    within: Option<u32>,
+    known: f64,
+}
+
+/// A world of one player in a space with steps of 1/64 s.
+fn small(entities: &str, world: &str, goal: &str) -> String {
+    format!(
+        "{entities}
+world Test {{
+    step 1/64
+    collide body with floor: block
+    collide body with cloud: block from above
+    space main {{
+        bounds rect(-400, -200, 2400, 3000)
+{world}
+    }}
+    player 1: hero
+    goal done: {goal}
+}}
+"
+    )
+}
+
+/// Runs a pixel a step, and jumps with a speed: after k steps it rises by that less k times 8 px/s.
+fn runner(jump: f64, more: &str) -> String {
+    format!(
+        "entity Hero {{
+    param speed = 64
+    param jump_speed = {jump}
+    axis horizontal
+    button jump
+    collider body, player: rect(0, 0, 16, 16)
+    envelope x' by horizontal {{ sustain speed }}
+    mode ground {{
+        y' = 0
+        when not touching(body, floor, below) and not touching(body, cloud, below) -> air
+        when pressed(jump) -> air {{ y' := jump_speed }}
+    }}
+    initial mode air {{
+        y'' = -512
+        when touching(body, floor, below) and y' <= 0 -> ground
+        when touching(body, cloud, below) and y' <= 0 -> ground
+        {more}
+    }}
+}}
+"
+    )
+}
+
+/// How high a jump with a speed goes, by the sum of its steps.
+fn rise(speed: f64) -> f64 {
+    (1..1000).map(|k| (speed - 8.0 * f64::from(k)) / 64.0).take_while(|way| *way > 0.0).sum()
+}
+
+/// Worlds of their own kinds, each with a number whose threshold can be worked out.
+fn thresholds() -> Vec<Threshold> {
+    let base = |what, text, vary, known| Threshold { what, text, vary, nodes: 1_500, within: None, known };
+    let ground = "        rect floor (0, 0, 400, 32)\n";
+    let walker = "entity Hero {
+    param speed = 64
+    axis horizontal
+    collider body, player: rect(0, 0, 12, 12)
+    envelope x' by horizontal { sustain speed }
+}
+";
+    vec![
+        // From x = 99 to x = 162, with a foot of a pixel at both ends: 78 px and anything less.
+        Threshold {
+            nodes: 8_000,
+            ..base(
+                "a gap whose width is a constant",
+                small(
+                    &format!("const gap: px = 120\n{}", runner(256.0, "")),
+                    "        rect floor (0, 0, 100, 32)\n        rect floor (100 + gap, 0, 300, 32)
+        place hero: Hero at (69, 32)",
+                    "hero.x > 110 and hero in ground",
+                ),
+                ("gap", 20.0, 120.0),
+                78.0,
+            )
+        },
+        base(
+            "a jump onto a cloud",
+            small(
+                &runner(128.0, ""),
+                &format!("{ground}        rect cloud (0, 132, 400, 4)\n        place hero: Hero at (30, 32)"),
+                "hero in ground and hero.y >= 136",
+            ),
+            ("Hero.jump_speed", 100.0, 500.0),
+            solved(100.0, 500.0, |jump| rise(jump) >= 104.0),
+        ),
+        // Twice the height: at the top, the second jump is like the first.
+        Threshold {
+            nodes: 4_000,
+            ..base(
+                "a second jump in the air",
+                small(
+                    &runner(120.0, "when pressed(jump) -> second { y' := jump_speed }")
+                        .replace("    initial mode", "    mode second { y'' = -512 }\n    initial mode"),
+                    &format!("{ground}        place hero: Hero at (30, 32)"),
+                    "hero.y >= 182",
+                ),
+                ("Hero.jump_speed", 100.0, 500.0),
+                solved(100.0, 500.0, |jump| 2.0 * rise(jump) >= 150.0),
+            )
+        },
+        // 320 px/s down after 40 steps; a share of it up, of which gravity takes 8 px/s in the same step.
+        base(
+            "a ball that bounces",
+            "entity Ball {
+    param spring: 1 = 0.5
+    discrete bounces: int 0..3 = 0
+    collider ball: rect(0, 0, 8, 8)
+    y'' = -512
+    mode only { when touching(ball, floor, below) and y' < 0 { y' := -spring * y'; bounces := min(bounces + 1, 3) } }
+}
+world Test {
+    step 1/64
+    collide ball with floor: block, keep velocity
+    space main {
+        rect floor (0, -16, 160, 16)
+        place hero: Ball at (64, 100)
+    }
+    goal done: hero.bounces == 1 and hero.y >= 75
+}
+"
+            .to_string(),
+            ("Ball.spring", 0.4, 1.0),
+            solved(0.4, 1.0, |spring| rise(320.0 * spring) >= 75.0),
+        ),
+        base(
+            "a gate that is open for a time",
+            small(
+                &format!(
+                    "{walker}entity Gate {{
+    param stays: s = 0.1
+    kinematic collider floor: rect(0, 0, 8, 60) when in shut
+    collider late: rect(0, 0, 8, 60) when in over
+    mode shut {{ when timer >= 2s -> open }}
+    mode open {{ when timer >= stays -> over }}
+    mode over {{ }}
+}}
+"
+                ),
+                "        place hero: Hero at (20, 20)\n        place gate: Gate at (80, 0)",
+                "hero.x > 100",
+            )
+            .replace(
+                "    player 1",
+                "    collide player with late: sense\n    never late: hero touching late\n    player 1",
+            ),
+            ("Gate.stays", 0.1, 0.8),
+            GATE,
+        ),
+        // The sum of n speeds, each A/64 more than the one before, for 1/64 s.
+        Threshold {
+            within: Some(64),
+            ..base(
+                "a car that accelerates",
+                small(
+                    "entity Hero {
+    param pull = 60
+    axis horizontal
+    collider body: rect(0, 0, 12, 12)
+    envelope x' by horizontal { attack accel pull; sustain 1000 }
+}
+",
+                    "        place hero: Hero at (20, 20)",
+                    "hero.x >= 120",
+                ),
+                ("Hero.pull", 50.0, 600.0),
+                100.0 * 64.0 * 64.0 / (64.0 * 65.0 / 2.0),
+            )
+        },
+        // 128 steps of 1/64 s.
+        Threshold {
+            within: Some(128),
+            ..base(
+                "an oven that heats",
+                small(
+                    "entity Hero {
+    param heating = 10
+    continuous heat: 1 = 0
+    button on
+    mode cold { when held(on) -> hot }
+    mode hot { heat' = heating; when not held(on) -> cold }
+}
+",
+                    "        place hero: Hero at (20, 20)",
+                    "hero.heat >= 90",
+                ),
+                ("Hero.heating", 5.0, 100.0),
+                45.0,
+            )
+        },
+        // A pixel a step while there is fuel.
+        base(
+            "a rocket with fuel",
+            small(
+                "entity Hero {
+    param tank: s = 1
+    continuous used: s = 0
+    button fire
+    collider body: rect(0, 0, 12, 12)
+    mode waiting { when held(fire) -> flying }
+    mode flying {
+        y' = 64
+        used' = 1
+        when used >= tank -> falling
+    }
+    mode falling { y' = -64 }
+}
+",
+                "        place hero: Hero at (20, 0)",
+                "hero.y >= 200",
+            ),
+            ("Hero.tank", 0.5, 5.0),
+            // The 200th step is taken if less than all was used after 199.
+            199.0 / 64.0,
+        ),
+        // 84 px in 128 steps, against the wind.
+        Threshold {
+            within: Some(128),
+            ..base(
+                "a wind that is too strong",
+                small(
+                    "entity Hero {
+    param speed = 64
+    param wind = 40
+    axis horizontal
+    collider body: rect(0, 0, 12, 12)
+    x' = speed * horizontal - wind
+}
+",
+                    "        place hero: Hero at (16, 20)",
+                    "hero.x >= 100",
+                ),
+                ("Hero.wind", 0.0, 64.0),
+                22.0,
+            )
+        },
+        // The hero stands before the wall at x = 68.
+        base(
+            "a guard who sees so far",
+            small(
+                &format!(
+                    "{walker}entity Guard {{
+    param sight = 10
+    mode calm {{ when near(any Hero, self, sight) -> alarmed }}
+    mode alarmed {{ }}
+}}
+"
+                ),
+                "        rect floor (80, 0, 8, 60)\n        place hero: Hero at (20, 20)\n        place sentry: Guard at (120, 20)",
+                "sentry in alarmed",
+            ),
+            ("Guard.sight", 5.0, 300.0),
+            52.0,
+        ),
+    ]
+}
+
+/// For a gate: it opens in step 129, when the hero gets to x = 69. In the step in which it is over, the hero is at 69 and a
+/// pixel more for each step that it stays; there, it has to be beyond 88, where it still touches.
+const GATE: f64 = 19.0 / 64.0;
+
+#[test]
+fn thresholds_of_ten_worlds_are_found_from_both_sides() {
+    let all = thresholds();
+    assert_eq!(all.len(), 10);
+    for Threshold { what, text, vary, nodes, within, known } in all {
+        let found = tuned(&text, &[vary], |question| {
+            (question.query.within, question.query.limits.nodes) = (within, nodes);
+        });
+        assert_near(&found, known, what);
+        let (turned, before) = threshold(&found);
+        assert_eq!(turned.verdict, Conclusion::Reached, "{what}");
+        assert!(matches!(before.verdict, Conclusion::NotFound | Conclusion::ProvenUnreachable), "{what}: {before:?}");
+    }
 }
 
 /// A value that is given where an instance is placed does not follow the default.

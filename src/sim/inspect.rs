@@ -27,6 +27,22 @@ impl<'a> Instance<'a> {
     }
 }
 
+impl Simulator {
+    /// An expression of the entity of a living instance that reads neither inputs nor what nature draws, as a number;
+    /// truth is 1. Whether modes of other groups are entered or left in the step is not known: they count as staying.
+    ///
+    /// # Errors
+    /// A [`Fault`] if the expression breaks a rule.
+    pub fn own_number(&self, state: &[u8], slot: SlotId, expression: ExprId) -> Result<f64, Fault> {
+        let fault = Cell::new(None);
+        let value = self.own_reader(state, slot, Frames::NONE, &fault).number(expression);
+        match fault.get() {
+            Some(fault) => Err(fault),
+            None => Ok(value),
+        }
+    }
+}
+
 /// What a step reads: a state and the input of the step.
 pub struct Inspection<'a> {
     sim: &'a Simulator,

@@ -11,6 +11,8 @@ pub struct Test {
     pub name: Name,
     /// Its statements.
     pub items: Vec<TestItem>,
+    /// Whether statements are missing in `items`, because they could not be read.
+    pub is_broken: bool,
     /// The whole.
     pub span: Span,
 }

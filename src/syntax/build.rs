@@ -37,7 +37,7 @@ pub(super) struct Builder<'a> {
     /// The furthest position reached in the last part that matched no rule at all.
     stuck: usize,
     /// Number of parts that matched no rule.
-    broken: usize,
+    pub(super) broken: usize,
     poisoned_names: BTreeSet<String>,
     /// The interned words.
     words: RefCell<HashSet<Word>>,

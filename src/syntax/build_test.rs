@@ -23,8 +23,9 @@ impl Builder<'_> {
         // The name is what is between the quotes.
         let at = quoted.span.range();
         let name = Name { span: Span::new(quoted.span.file(), at.start + 1, at.end - 1), ..quoted };
+        let broken = self.broken;
         let (items, end) = self.block(&TEST_ITEMS, end)?;
-        Some((Some(Test { name, items, span: self.span(start, end) }), end))
+        Some((Some(Test { name, items, is_broken: self.broken > broken, span: self.span(start, end) }), end))
     }
 
     fn test_item(&mut self, pair: &Pair<'_, Rule>) -> Option<TestItem> {

@@ -4,7 +4,7 @@ use crate::analysis::watched_space;
 use crate::compile::NumberSetting;
 use crate::diagnostic::{Diagnostics, render};
 use crate::reach::query::{QueryError, Session};
-use crate::reach::{Conclusion, Luck, Target, Verdict, improve_duration, plan_from_script};
+use crate::reach::{Conclusion, Luck, Target, Verdict, improve_duration};
 use crate::sim::{Input, Script, Simulator};
 use crate::watch::Watch;
 
@@ -110,7 +110,7 @@ impl<'h> Oracle<'h> {
             let target = query.targets.first().copied();
             let problem = target.and_then(|target| query.problem(&sim, target, watch).ok().flatten());
             let Some(problem) = problem else { return };
-            let Some(plan) = plan_from_script(&problem, &way, 0, watch) else { return };
+            let Some(plan) = query.plan_of(&problem, &way, watch) else { return };
             let space = watched_space(&built.program, built.world, &query.rules(sim.world()), watch);
             let found = improve_duration(&problem, &space, &query.settings, &query.limits, &plan, watch);
             faster = (found.steps < plan.steps).then_some(found.script);
@@ -217,11 +217,11 @@ impl<'h> Oracle<'h> {
         let sim = Simulator::new(&built.program, built.world);
         let problem = query.problem(&sim, target, watch).ok()??;
         let known = ways.iter().map(|(of, way)| (*of, longer(way, &sim)));
-        let exact = known.clone().find_map(|(of, way)| Some((of, plan_from_script(&problem, &way, 0, watch)?)));
+        let exact = known.clone().find_map(|(of, way)| Some((of, query.plan_of(&problem, &way, watch)?)));
         let near = || {
             let first =
                 known.clone().take(2).flat_map(|(of, way)| near(&way).map(move |way| (of, way)).collect::<Vec<_>>());
-            first.into_iter().find_map(|(of, way)| Some((of, plan_from_script(&problem, &way, 0, watch)?)))
+            first.into_iter().find_map(|(of, way)| Some((of, query.plan_of(&problem, &way, watch)?)))
         };
         let (of, plan) = exact.or_else(near)?;
         let trial = Trial {
@@ -232,7 +232,7 @@ impl<'h> Oracle<'h> {
             steps: Some(plan.steps),
             seconds_of_play: Some(plan.steps as f64 * sim.world().step.seconds()),
             inputs: Some(plan.script.text(&built.program, built.world)),
-            luck: Luck::chosen(&problem, &plan.script, 0),
+            luck: Luck::chosen(&problem, &plan.script, plan.after),
             path_of: Some(of),
             ..blank(values)
         };

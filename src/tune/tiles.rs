@@ -11,9 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::analysis::watched_space;
 use crate::ir::{Bounds, Origin, Program, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId, World};
 use crate::reach::query::{Query, Session};
-use crate::reach::{
-    Conclusion, Limits, Luck, Problem, Settings, Verdict, Visited, distance_to_goal, plan_from_script, search,
-};
+use crate::reach::{Conclusion, Limits, Luck, Problem, Settings, Verdict, Visited, distance_to_goal, search};
 use crate::sim::{Script, Simulator};
 use crate::watch::Watch;
 
@@ -385,7 +383,7 @@ impl Tiles<'_> {
             let target = query.targets.first().copied();
             let problem = target.and_then(|target| query.problem(&sim, target, watch).ok().flatten());
             found = problem.and_then(|problem| {
-                self.ways.iter().rev().find_map(|way| plan_from_script(&problem, way, 0, watch)).map(|plan| plan.script)
+                self.ways.iter().rev().find_map(|way| query.plan_of(&problem, way, watch)).map(|plan| plan.script)
             });
         });
         found
@@ -447,7 +445,7 @@ fn quick(question: &TileQuestion, built: &Built, nodes: u64, watch: &dyn Watch) 
     let way = match &outcome.verdict {
         Verdict::Reached(plan) => {
             let text = plan.script.text(&built.program, built.world);
-            Some((plan.script.clone(), text, Luck::chosen(&problem, &plan.script, 0)))
+            Some((plan.script.clone(), text, Luck::chosen(&problem, &plan.script, plan.after)))
         }
         _ => None,
     };

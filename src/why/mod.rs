@@ -7,11 +7,13 @@
 //! | `step` | an instance after a step, and the edges that were considered in it |
 //! | `whom` | what an instance touches |
 //! | `run` | a run to a step, with what happened in it, and since when |
+//! | `lack` | what an expression lacks to be true |
 //! | `nearly` | how near the guards of edges came in a run |
 //! | `predicate` | a predicate of a world in a state, part by part |
 //! | `coverage` | what runs cover: modes, edges, parts of guards |
 
 mod coverage;
+mod lack;
 mod nearly;
 mod predicate;
 mod record;

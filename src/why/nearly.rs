@@ -3,10 +3,11 @@
 
 use serde::Serialize;
 
-use crate::ir::{EdgeId, Expr, ExprId, Id, ModeId, Program, SlotId};
+use crate::ir::{EdgeId, ExprId, Id, ModeId, Program, SlotId};
 use crate::sim::{Inspection, Script, Simulator};
 use crate::source::SourceMap;
 
+use super::lack::Lack;
 use super::record::{Atom, Place};
 use super::run::{Inputs, RunError, play};
 use super::step::{Guards, Moved, place};
@@ -58,45 +59,6 @@ pub struct Missing {
     pub atom: Atom,
     /// Of a comparison, how far its sides were apart.
     pub distance: Option<f64>,
-}
-
-/// What a guard lacks.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Lack {
-    parts: Vec<ExprId>,
-    distance: f64,
-}
-
-impl Lack {
-    fn join(mut self, other: Lack) -> Lack {
-        self.parts.extend(other.parts);
-        self.distance += other.distance;
-        self
-    }
-
-    /// Whether it is less than another one.
-    fn is_less(&self, other: &Lack) -> bool {
-        (self.parts.len(), self.distance) < (other.parts.len(), other.distance)
-    }
-
-    fn least(self, other: Lack) -> Lack {
-        if other.is_less(&self) { other } else { self }
-    }
-}
-
-/// What an expression lacks to be true, or false.
-fn lack(program: &Program, guards: &Guards<'_>, id: ExprId, wanted: bool) -> Lack {
-    let both = |a, b| lack(program, guards, a, wanted).join(lack(program, guards, b, wanted));
-    let either = |a, b| lack(program, guards, a, wanted).least(lack(program, guards, b, wanted));
-    match program.exprs[id] {
-        Expr::And(a, b) if wanted => both(a, b),
-        Expr::And(a, b) => either(a, b),
-        Expr::Or(a, b) if wanted => either(a, b),
-        Expr::Or(a, b) => both(a, b),
-        Expr::Not(a) if matches!(program.exprs[a], Expr::And(..) | Expr::Or(..)) => lack(program, guards, a, !wanted),
-        _ if guards.truth(id) == Some(wanted) => Lack::default(),
-        _ => Lack { parts: vec![id], distance: distance(guards, id).unwrap_or(0.0) },
-    }
 }
 
 /// How far the sides of a comparison are apart.
@@ -169,7 +131,7 @@ pub fn nearly(
                 continue;
             }
             found.considered += 1;
-            let lacks = lack(program, &guards, of.guard, true);
+            let lacks = Lack::of(program, of.guard, &|id| guards.truth(id), &|id| distance(&guards, id));
             if best.as_ref().is_some_and(|best| !lacks.is_less(best)) {
                 continue;
             }

@@ -4,6 +4,7 @@ use crate::ir::{Expr, ExprId};
 use crate::sim::Simulator;
 use crate::source::SourceMap;
 
+use super::lack::Lack;
 use super::record::Atom;
 use super::step::{atom_text, atoms_of, sides};
 
@@ -21,20 +22,13 @@ pub fn predicate_atoms(sim: &Simulator, sources: &SourceMap, state: &[u8], predi
     atoms_of(program, predicate).into_iter().filter_map(atom).collect()
 }
 
-/// How far a state is from a predicate: the number of parts that do not hold, and the sum of the distances of the
-/// comparisons among them. Parts of an `or` count, too: it is a measure, no proof.
+/// How far a state is from a predicate: the fewest parts that would have to change, and the sum of the distances of the
+/// comparisons among them. Of an `or`, the side that lacks less counts. It is a measure, no proof.
 pub fn predicate_distance(sim: &Simulator, state: &[u8], predicate: ExprId) -> (usize, f64) {
-    let (mut missing, mut distance) = (0, 0.0);
-    for id in atoms_of(sim.program(), predicate) {
-        if sim.number(state, id).is_ok_and(|value| value != 0.0) {
-            continue;
-        }
-        missing += 1;
-        if let Some([a, b]) = sides_in(sim, state, id) {
-            distance += (a - b).abs();
-        }
-    }
-    (missing, distance)
+    let truth = |id: ExprId| sim.number(state, id).ok().map(|value| value != 0.0);
+    let apart = |id: ExprId| sides_in(sim, state, id).map(|[a, b]| (a - b).abs());
+    let lack = Lack::of(sim.program(), predicate, &truth, &apart);
+    (lack.parts.len(), lack.distance)
 }
 
 /// The values of both sides of a comparison.

@@ -16,7 +16,7 @@ use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
 
 /// The name of the `never` that `--without` adds: not a valid name in a program.
-const WITHOUT: &str = "--without";
+pub(in crate::cli) const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
 /// The source of predicates of `--never`.
@@ -171,7 +171,11 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
 }
 
 /// Reads input scripts.
-fn read_scripts(loaded: &mut Loaded, world: WorldId, texts: &[String]) -> Result<Vec<Script>, Refusal> {
+pub(in crate::cli) fn read_scripts(
+    loaded: &mut Loaded,
+    world: WorldId,
+    texts: &[String],
+) -> Result<Vec<Script>, Refusal> {
     let mut scripts = Vec::new();
     for text in texts {
         let file = loaded.sources.add("--after", text.clone());

@@ -88,6 +88,8 @@ pub(super) struct WayResult {
     pub changes: Vec<String>,
     /// The stuck states, or the places of the candidate, that are behind.
     pub behind: u64,
+    /// Whether most of these are behind no other place with a shorter way; of a candidate always.
+    pub is_apart: bool,
     /// The inputs, as a script.
     pub inputs: String,
 }
@@ -108,6 +110,7 @@ impl WayResult {
             from: None,
             changes: way.changes.clone(),
             behind: way.behind,
+            is_apart: way.is_apart,
             inputs: way.script.text(program, world),
         }
     }
@@ -125,6 +128,7 @@ impl WayResult {
             from: Some(way.from.clone()),
             changes: way.changes.clone(),
             behind: way.places,
+            is_apart: true,
             inputs: way.script.text(program, world),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::cli::args::level::{LevelArgs, seconds};
 use crate::cli::args::set::SetArgs;
@@ -15,7 +15,8 @@ use crate::cli::time::Time;
 Several numbers are varied one at a time; together only if none of them is enough alone. With `--tiles`, the fewest tiles are \
 sought instead, in maps that are text.
 
-Exit codes: 0 if a change is found, or none is needed; 1 if none is found; 2 if the question could not be asked."
+Exit codes: 0 if a change is found, or none is needed; 1 if none is found; 2 if the question could not be asked.",
+    group(ArgGroup::new("change").required(true).multiple(true).args(["vary", "tiles"]))
 )]
 pub(in crate::cli) struct TuneArgs {
     /// The program.
@@ -29,7 +30,7 @@ pub(in crate::cli) struct TuneArgs {
     #[command(flatten)]
     pub numbers: SetArgs,
     /// A number to vary, with its range and perhaps the step between two values; up to four times.
-    #[arg(long, value_name = "NAME=A..B[/STEP]", value_parser = Vary::read, required_unless_present = "tiles", help_heading = "The change")]
+    #[arg(long, value_name = "NAME=A..B[/STEP]", value_parser = Vary::read, help_heading = "The change")]
     pub vary: Vec<Vary>,
     /// Changes tiles of the level instead of numbers.
     #[arg(long, value_enum, value_name = "HOW", conflicts_with_all = ["vary", "never", "csv", "svg"], help_heading = "The change")]
@@ -57,6 +58,12 @@ pub(in crate::cli) struct TuneArgs {
     /// times.
     #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
+    /// Only paths on which this predicate never holds, such as `hero in dead`.
+    #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
+    pub without: Option<String>,
+    /// Begins in the state that an input script leads to; can be given several times.
+    #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
+    pub after: Vec<String>,
     /// Only paths that take at most this time, such as `600frames` or `10s`.
     #[arg(long, value_name = "TIME", value_parser = Time::read, help_heading = "The question")]
     pub within: Option<Time>,

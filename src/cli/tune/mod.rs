@@ -13,7 +13,8 @@ use std::io::{self, Write};
 use std::time::Instant;
 
 use crate::compile::{
-    Asked, Changes, Compilation, ExtraQuestion, NumberSetting, compile_changed, question_name, written_number,
+    Asked, Changes, Compilation, ExtraConstraint, ExtraQuestion, NumberSetting, compile_changed, question_name,
+    written_number,
 };
 use crate::diagnostic::{Severity, render};
 use crate::ir::{World, WorldId};
@@ -28,7 +29,7 @@ use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Disk;
 use crate::cli::goal::chosen_goal;
-use crate::cli::reach::question::{NEVER, asked_only, unknown};
+use crate::cli::reach::question::{NEVER, WITHOUT, asked_only, read_scripts, unknown};
 use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
 use crate::cli::reach::shade;
 use crate::cli::refusal::Refusal;
@@ -85,6 +86,7 @@ fn plain_refusal(args: &TuneArgs) -> Option<String> {
 struct Disked<'a> {
     args: &'a TuneArgs,
     questions: Vec<ExtraQuestion<'a>>,
+    constraint: Option<ExtraConstraint<'a>>,
 }
 
 impl<'a> Disked<'a> {
@@ -93,11 +95,12 @@ impl<'a> Disked<'a> {
         let question = |asked, origin| move |text: &'a String| ExtraQuestion { asked, world, text, origin };
         let goal = args.goal.iter().map(question(Asked::Goal, "--goal"));
         let nevers = args.never.iter().map(question(Asked::Never, NEVER));
-        Disked { args, questions: goal.chain(nevers).collect() }
+        let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
+        Disked { args, questions: goal.chain(nevers).collect(), constraint: args.without.as_deref().map(constraint) }
     }
 
     fn changes<'c>(&'c self, numbers: &'c [NumberSetting<'c>]) -> Changes<'c> {
-        Changes { questions: &self.questions, numbers, ..Changes::default() }
+        Changes { questions: &self.questions, constraint: self.constraint, numbers }
     }
 }
 
@@ -129,6 +132,7 @@ impl Host for Disked<'_> {
 /// The question of the arguments.
 fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Question, Refusal> {
     let axes = args.vary.iter().map(|vary| axis(args, vary)).collect::<Result<Vec<Axis>, Refusal>>()?;
+    let after = read_scripts(loaded, world, &args.after)?;
     let table = &loaded.program.worlds[world];
     let goal = chosen_goal(table, args.goal.as_deref()).map_err(Refusal::of)?;
     let min_hold = args.min_hold.map_or(1, |time| time.steps(table));
@@ -139,7 +143,10 @@ fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Ques
         limits: Limits { nodes: args.nodes, memory: args.memory << 20 },
         min_hold,
         within: args.within.map(|time| time.room(table)),
+        // The compiler appends it.
+        without: args.without.as_ref().and_then(|_| table.nevers.ids().next_back()).into_iter().collect(),
         asked: asked_only(loaded, world),
+        after,
         chance: args.chance,
         ..Query::new(vec![Target::Goal(goal)])
     };
@@ -205,6 +212,8 @@ fn record(
         set: args.numbers.texts(),
         goal: question.query.targets.first().map_or("", |target| target.name(table)).to_string(),
         prevent: args.prevent,
+        without: args.without.clone(),
+        after: args.after.clone(),
         seed: args.seed,
         nodes_limit: args.nodes,
         seconds_limit: args.seconds,

@@ -29,6 +29,10 @@ pub(super) struct TuneResult {
     pub goal: String,
     /// Whether a change is sought with which the goal is proven unreachable.
     pub prevent: bool,
+    /// What must never hold on a path; null if anything may.
+    pub without: Option<String>,
+    /// The scripts in whose last states the paths begin; if empty, in the initial state.
+    pub after: Vec<String>,
     /// The seed of the searches.
     pub seed: u64,
     /// The limit of nodes for each value.

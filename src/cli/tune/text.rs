@@ -9,11 +9,24 @@ use crate::cli::reach::{ScriptDetail, with_luck};
 use super::args::TuneArgs;
 use super::result::TuneResult;
 
+/// What paths must keep to, as it follows in the first line.
+pub(super) fn limits(args: &TuneArgs) -> String {
+    let without = args.without.as_ref().map_or(String::new(), |predicate| format!(", without {predicate}"));
+    let within = args.within.map_or(String::new(), |time| format!(", within {time}"));
+    let after = match args.after.as_slice() {
+        [] => String::new(),
+        [only] => format!(", after {only}"),
+        several => format!(", after {} scripts", several.len()),
+    };
+    let hold = args.min_hold.map_or(String::new(), |time| format!(", inputs held for at least {time}"));
+    format!("{without}{within}{after}{hold}")
+}
+
 pub(super) fn result_text(result: &TuneResult, args: &TuneArgs) -> String {
     let TuneResult { file, world, seed, goal, .. } = result;
     let set: String = result.set.iter().map(|set| format!(", {set}")).collect();
     let axes: Vec<String> = result.numbers.iter().map(range).collect();
-    let mut out = format!("{file}, world {world}, seed {seed}{set}: {}\n", axes.join(", "));
+    let mut out = format!("{file}, world {world}, seed {seed}{set}{}: {}\n", limits(args), axes.join(", "));
     match (&result.change, result.trials.first()) {
         (Some(change), _) => out.push_str(&change_text(result, change, args.verbose)),
         (None, Some(base)) if result.is_wanted_already => {

@@ -21,7 +21,7 @@ use crate::watch::Watch;
 
 use super::Disked;
 use super::args::{TilesName, TuneArgs};
-use super::text::timed_verdict;
+use super::text::{limits, timed_verdict};
 use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Changed;
@@ -50,6 +50,10 @@ struct TilesResult {
     goal: String,
     /// Whether tiles are sought with which the goal is proven unreachable.
     prevent: bool,
+    /// What must never hold on a path; null if anything may.
+    without: Option<String>,
+    /// The scripts in whose last states the paths begin; if empty, in the initial state.
+    after: Vec<String>,
     /// The number of tiles that may be changed.
     allowed: u64,
     /// What came of the level as it is.
@@ -182,6 +186,8 @@ pub(super) fn run(
         set: args.numbers.texts(),
         goal,
         prevent: args.prevent,
+        without: args.without.clone(),
+        after: args.after.clone(),
         allowed,
         base,
         change: set,
@@ -244,7 +250,8 @@ fn rows(levels: &Levels<'_>, edits: &[TileEdit]) -> Vec<MapRow> {
 fn text(result: &TilesResult, args: &TuneArgs) -> String {
     let TilesResult { file, world, goal, base, .. } = result;
     let set: String = result.set.iter().map(|set| format!(", {set}")).collect();
-    let mut out = format!("{file}, world {world}{set}: {} may be changed\n", counted(result.allowed, "tile"));
+    let tiles = counted(result.allowed, "tile");
+    let mut out = format!("{file}, world {world}{set}{}: {tiles} may be changed\n", limits(args));
     match &result.change {
         Some(change) => {
             out.push_str(&format!(

@@ -91,6 +91,20 @@ impl Query {
         nevers.map(|(_, never)| never.holds).collect()
     }
 
+    /// The plan that a script gives for the first target: cut where that holds, after the steps that were given.
+    pub fn plan_of(&self, problem: &Problem<'_>, script: &Script, watch: &dyn Watch) -> Option<Plan> {
+        plan_from_script(problem, script, self.given_steps(script)?, watch)
+    }
+
+    /// Number of steps at the start of a script that were given with the query; `None` if it starts elsewhere.
+    fn given_steps(&self, script: &Script) -> Option<u64> {
+        let after = &self.after;
+        if after.is_empty() {
+            return Some(0);
+        }
+        after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len).max()
+    }
+
     /// A query with the default settings and limits.
     pub fn new(targets: Vec<Target>) -> Self {
         Query {
@@ -275,7 +289,7 @@ impl Session {
         let violations = violations.map(|(never, script)| {
             let problem = found.problem.as_ref().map(|problem| problem.clone().of(Target::Never(*never)));
             // Only what is read of all that nature drew in the search.
-            let kept = self.given_steps(script).unwrap_or(0);
+            let kept = self.query.given_steps(script).unwrap_or(0);
             let read = problem.as_ref().filter(|_| !self.sim.draws().is_empty());
             let read = read.and_then(|problem| only_read(problem, script, kept, &Meter::new(&Unwatched)));
             let script = read.as_ref().unwrap_or(script);
@@ -306,7 +320,7 @@ impl Session {
             return None;
         }
         let script = nearest.whole.as_ref().map(|near| &near.script)?;
-        let kept = self.given_steps(script).unwrap_or(0);
+        let kept = self.query.given_steps(script).unwrap_or(0);
         explain(problem, sources, (nearest, found.outcome.statistics.nodes), kept, &Meter::new(&Unwatched))
     }
 
@@ -376,7 +390,7 @@ impl Session {
         for found in all.iter() {
             let violations = found.outcome.violations.iter().map(|(_, script)| script);
             for script in found.plan().map(|plan| &plan.script).into_iter().chain(violations) {
-                if let Some(after) = self.given_steps(script)
+                if let Some(after) = self.query.given_steps(script)
                     && !scripts.iter().any(|(known, ..)| known == script)
                 {
                     scripts.push((script.clone(), after, found.outcome.planner));
@@ -398,15 +412,6 @@ impl Session {
             }
         }
         has_changed
-    }
-
-    /// Number of steps at the start of a script that were given with the query; `None` if it starts elsewhere.
-    fn given_steps(&self, script: &Script) -> Option<u64> {
-        let after = &self.query.after;
-        if after.is_empty() {
-            return Some(0);
-        }
-        after.iter().filter(|given| script.first(given.len()) == **given).map(Script::len).max()
     }
 
     fn problem(&self, target: Target, watch: &dyn Watch) -> Result<Option<Problem<'_>>, QueryError> {

@@ -27,6 +27,8 @@ pub struct WayIn {
     pub changes: Vec<String>,
     /// The number of stuck states that can be reached by it: by all ways into the same place.
     pub behind: u64,
+    /// Whether most of these are behind no other place with a shorter way.
+    pub is_apart: bool,
 }
 
 /// All ways into one place.
@@ -38,8 +40,23 @@ struct Group {
     entered: Vec<u32>,
 }
 
-/// The shortest way into each place, by length and then by what is behind it, at most `limit` of them; and the number of
-/// places.
+/// A place with all ways into it.
+struct Ranked {
+    place: Vec<PlayerPlace>,
+    group: Group,
+    /// The number of stuck states behind it that are behind no place with a shorter way.
+    new: u64,
+    behind: u64,
+}
+
+impl Ranked {
+    fn is_apart(&self) -> bool {
+        2 * self.new > self.behind
+    }
+}
+
+/// The shortest way into each place, at most `limit` of them, and the number of places: first those that lead elsewhere than
+/// all shorter ones, then by length and by what is behind them.
 pub(super) fn ways_in(
     problem: &Problem<'_>,
     (graph, controls): (&StateGraph, &ControlSets),
@@ -49,21 +66,34 @@ pub(super) fn ways_in(
     let places = Places::new(problem);
     let groups = groups(graph, fates, &places);
     let all = groups.len();
-    let mut groups: Vec<(Vec<PlayerPlace>, Group, u64)> = groups.into_iter().map(|(key, g)| (key, g, 0)).collect();
-    groups.sort_by_key(|(_, group, _)| group.steps);
-    // Those of the same length as the last one compete by size.
-    let last = groups.get(limit.saturating_sub(1)).map(|(_, group, _)| group.steps);
-    let near = last.map_or(groups.len(), |last| groups.partition_point(|(_, group, _)| group.steps <= last));
-    groups.truncate(near.min(2 * limit));
-    for (_, group, behind) in &mut groups {
-        *behind = count_behind(graph, &group.entered);
+    let mut ranked: Vec<Ranked> =
+        groups.into_iter().map(|(place, group)| Ranked { place, group, new: 0, behind: 0 }).collect();
+    ranked.sort_by_key(|ranked| ranked.group.steps);
+    let mut seen = vec![false; graph.len()];
+    for ranked in &mut ranked {
+        ranked.new = count_behind(graph, &ranked.group.entered, &mut seen);
     }
-    groups.sort_by_key(|(_, group, behind)| (group.steps, u64::MAX - behind));
-    groups.truncate(limit);
-    let ways = groups.iter().filter_map(|(key, group, behind)| {
-        let mut way = way_in(problem, (graph, controls), group.shortest, &places)?;
-        (way.place, way.behind) = (places.words(key), *behind);
-        Some(way)
+    // The shortest ways, of which those of the same length as the last one compete by size, and those behind which most is
+    // new: to count what is behind all of them would take too long.
+    let last = ranked.get(limit.saturating_sub(1)).map_or(u32::MAX, |ranked| ranked.group.steps);
+    let mut news: Vec<u64> = ranked.iter().map(|ranked| ranked.new).filter(|new| *new > 0).collect();
+    news.sort_unstable_by_key(|new| u64::MAX - new);
+    let least = news.get(limit.saturating_sub(1)).copied().unwrap_or(1);
+    let (mut short, mut large) = (0, 0);
+    ranked.retain(|ranked| {
+        let is_short = ranked.group.steps <= last && short < 2 * limit;
+        let is_large = ranked.new >= least && large < limit;
+        (short, large) = (short + usize::from(is_short), large + usize::from(is_large));
+        is_short || is_large
+    });
+    for ranked in &mut ranked {
+        ranked.behind = count_behind(graph, &ranked.group.entered, &mut vec![false; graph.len()]);
+    }
+    ranked.sort_by_key(|ranked| (!ranked.is_apart(), ranked.group.steps, u64::MAX - ranked.behind));
+    ranked.truncate(limit);
+    let ways = ranked.iter().filter_map(|ranked| {
+        let way = way_in(problem, (graph, controls), ranked.group.shortest, &places)?;
+        Some(WayIn { place: places.words(&ranked.place), behind: ranked.behind, is_apart: ranked.is_apart(), ..way })
     });
     (ways.collect(), all)
 }
@@ -89,9 +119,9 @@ fn groups(graph: &StateGraph, fates: &[Fate], places: &Places<'_>) -> BTreeMap<V
     groups
 }
 
-/// The number of states that can be reached from some stuck ones, these included: all are stuck or doomed.
-fn count_behind(graph: &StateGraph, entered: &[u32]) -> u64 {
-    let mut seen = vec![false; graph.len()];
+/// The number of states that can be reached from some stuck ones, these included, and were not seen before: all are stuck
+/// or doomed.
+fn count_behind(graph: &StateGraph, entered: &[u32], seen: &mut [bool]) -> u64 {
     let mut open: Vec<u32> = Vec::new();
     let mut count = 0;
     let mut visit = |state: u32, open: &mut Vec<u32>| {
@@ -131,7 +161,8 @@ fn way_in(
     let index = index?;
     let last = input_of(controls, set, index);
     let script = script_to(graph, controls, from, Some(index));
-    Some(WayIn { place: String::new(), changes: changes(problem, &state, &last, places), script, last, behind: 0 })
+    let changes = changes(problem, &state, &last, places);
+    Some(WayIn { place: String::new(), changes, script, last, behind: 0, is_apart: false })
 }
 
 /// What an input changes: the differences to what would be without it, once nothing moves any more. What moves anyway does

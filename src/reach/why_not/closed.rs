@@ -3,7 +3,7 @@
 
 use std::cmp::Ordering;
 
-use crate::ir::{EdgeId, Id, LeafId, ModeId, SlotId, SpaceId};
+use crate::ir::{EdgeId, Id, ModeId, SlotId, SpaceId};
 use crate::sim::Script;
 use crate::source::SourceMap;
 use crate::why::{NearlyEdge, Place, nearly, place};
@@ -75,20 +75,14 @@ pub(super) fn closed_modes(
     parts.terms.iter().for_each(|term| term.atoms(&mut atoms));
     let asker = Asker { problem, sources, script };
     for atom in atoms {
-        let Gauge::Mode(slot, group, hops) = &atom.gauge else { continue };
-        if !problem.sim.instance(state, *slot).is_alive() {
+        let Gauge::Mode(_, approach) = &atom.gauge else { continue };
+        let slot = &approach.slot;
+        if !problem.sim.instance(state, *slot).is_alive() || problem.sim.holds(state, atom.id) == Ok(true) {
             continue;
         }
         let entity = &problem.sim.program().entities[problem.sim.world().slots[*slot].entity];
-        let leaf = problem.sim.world().layout.slots[*slot].leaf(state, *group);
-        let left = |leaf: LeafId| hops.get(leaf.index()).copied().unwrap_or(u32::MAX);
         // The next modes on a shortest way.
-        let is_next = |edge: &&EdgeId| {
-            let target = entity.edges[**edge].target;
-            let leads = |mode: ModeId| entity.modes[mode].leaves.ids().map(left).min();
-            target.and_then(leads).is_some_and(|after| after < left(leaf))
-        };
-        let edges: Vec<EdgeId> = entity.leaves[leaf].edges.iter().filter(is_next).copied().collect();
+        let edges: Vec<EdgeId> = approach.next(problem.sim, state);
         let mut targets: Vec<ModeId> = edges.iter().filter_map(|edge| entity.edges[*edge].target).collect();
         targets.dedup();
         for mode in targets {
@@ -135,7 +129,7 @@ impl Asker<'_> {
     fn closed_mode(&self, (slot, mode, edges): (SlotId, ModeId, &[EdgeId]), is_asked: bool) -> Option<ClosedMode> {
         let Asker { problem, sources, script } = *self;
         let asked = (Some(mode), edges);
-        let found = nearly(problem.sim, sources, (script, problem.seed()), script.len(), slot, asked).ok()?;
+        let found = nearly(problem.sim, sources, (script, problem.seed()), script.len() + 1, slot, asked).ok()?;
         let lacks = |edge: &NearlyEdge| {
             let distance: f64 = edge.missing.iter().filter_map(|missing| missing.distance).sum();
             (edge.step.is_none(), edge.missing.len(), distance)

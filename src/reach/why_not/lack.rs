@@ -2,14 +2,14 @@
 //! that the common parts (a variable against a number) are read directly, and nothing is allocated.
 
 use crate::ir::{
-    Arithmetic, CompareOp, Domain, Expr, ExprId, GroupId, Id, IdVec, LeafId, Program, SlotId, Subject, VarId, World,
-    compare,
+    Arithmetic, CompareOp, Domain, Expr, ExprId, Id, IdVec, ModeId, Program, SlotId, Subject, VarId, World, compare,
 };
 use crate::sim::Simulator;
 
 use super::super::problem::Problem;
+use super::approach::{Approach, is_free};
 use super::contact::Contact;
-use super::rooms::{hops, ways_to};
+use super::rooms::ways_to;
 use super::unit::{Unit, unit_of};
 
 /// What a part that is true or false counts as, in tiles of 16 px.
@@ -43,6 +43,8 @@ pub(super) struct Atom {
     pub id: ExprId,
     /// The truth value.
     pub wanted: bool,
+    /// The instance whose guard it is part of; none of a predicate of the world.
+    owner: Option<SlotId>,
     /// How far it is from that.
     pub gauge: Gauge,
     /// The unit of the distance.
@@ -64,10 +66,14 @@ pub(super) enum Gauge {
     Contact(Contact),
     /// The number of rooms to another one, by room; `u32::MAX` if no way is known.
     Room(SlotId, Vec<u32>),
-    /// The number of edges to a mode, by leaf.
-    Mode(SlotId, GroupId, Vec<u32>),
+    /// The number of edges to a mode.
+    Mode(ModeId, Approach),
+    /// The number of edges to a value of a discrete variable.
+    Value(Approach),
     /// True or false.
     Truth,
+    /// Of a guard, what inputs decide: it costs nothing.
+    Free,
 }
 
 /// How far an atom is from holding.
@@ -119,7 +125,16 @@ impl Parts {
 
     /// Of a predicate of the world.
     pub fn of(problem: &Problem<'_>, predicate: ExprId) -> Parts {
-        let builder = Builder { problem, program: problem.sim.program(), world: problem.sim.world() };
+        Parts::owned_by(problem, None, predicate)
+    }
+
+    /// Of a guard of an instance.
+    pub fn of_guard(problem: &Problem<'_>, slot: SlotId, guard: ExprId) -> Parts {
+        Parts::owned_by(problem, Some(slot), guard)
+    }
+
+    fn owned_by(problem: &Problem<'_>, owner: Option<SlotId>, predicate: ExprId) -> Parts {
+        let builder = Builder { problem, program: problem.sim.program(), world: problem.sim.world(), owner };
         let mut parts = Parts { terms: Vec::new(), ids: Vec::new() };
         builder.split(predicate, &mut Vec::new(), &mut parts);
         parts
@@ -177,9 +192,12 @@ impl Atom {
     /// What it lacks in a state. What is known to cost at least `limit` need not be exact.
     #[inline(never)]
     pub fn lack(&self, sim: &Simulator, state: &[u8], limit: f64) -> Lack {
-        let number = |id| sim.number(state, id);
-        let truth = || sim.holds(state, self.id).map(|holds| holds == self.wanted);
-        // What cannot be computed holds nowhere.
+        let number = |id| match self.owner {
+            None => sim.number(state, id),
+            Some(slot) => sim.own_number(state, slot, id),
+        };
+        let truth = || number(self.id).map(|value| (value != 0.0) == self.wanted);
+        // What cannot be computed holds nowhere; in a guard, what it reads is not there.
         let lack = match &self.gauge {
             Gauge::Var(slot, var, degree, op, bound) => {
                 let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
@@ -206,15 +224,19 @@ impl Atom {
                     (false, _) => Lack { holds, distance: Some(f64::from(away)), cost: f64::from(away) * ROOM },
                 }
             }),
-            Gauge::Mode(slot, group, hops) => truth().map(|holds| {
-                let leaf = sim.world().layout.slots[*slot].leaf(state, *group);
-                let away = hops.get(leaf.index()).copied().unwrap_or(u32::MAX);
-                let cost = if away == u32::MAX { 2.0 * TRUTH } else { TRUTH - 1.0 + f64::from(away) };
-                if holds { Lack::NONE } else { Lack::unmeasured(cost) }
+            Gauge::Mode(_, approach) | Gauge::Value(approach) => truth().map(|holds| {
+                if holds {
+                    return Lack::NONE;
+                }
+                match approach.left(sim, state) {
+                    None => Lack::unmeasured(2.0 * TRUTH),
+                    Some((edges, cost)) => Lack { holds, distance: Some(f64::from(edges)), cost: TRUTH - 1.0 + cost },
+                }
             }),
             Gauge::Truth => truth().map(Lack::truth),
+            Gauge::Free => Ok(Lack::NONE),
         };
-        lack.unwrap_or(Lack::unmeasured(f64::INFINITY))
+        lack.unwrap_or(Lack::unmeasured(if self.owner.is_none() { f64::INFINITY } else { TRUTH }))
     }
 }
 
@@ -222,6 +244,8 @@ struct Builder<'a> {
     problem: &'a Problem<'a>,
     program: &'a Program,
     world: &'a World,
+    /// The instance whose guard it is.
+    owner: Option<SlotId>,
 }
 
 impl Builder<'_> {
@@ -264,18 +288,28 @@ impl Builder<'_> {
             Expr::Or(a, b) => both(a, b, !wanted),
             _ => {
                 let (gauge, unit) = self.gauge(id, wanted);
-                Term::Atom(Atom { id, wanted, gauge, unit, weight: unit.weight() })
+                Term::Atom(Atom { id, wanted, owner: self.owner, gauge, unit, weight: unit.weight() })
             }
         }
     }
 
     fn gauge(&self, id: ExprId, wanted: bool) -> (Gauge, Unit) {
         let unmeasured = (Gauge::Truth, Unit::NONE);
+        if self.owner.is_some() && is_free(self.problem, id) {
+            return (Gauge::Free, Unit::NONE);
+        }
         match self.program.exprs[id] {
             Expr::Compare(op, a, b) => {
                 let op = if wanted { op } else { op.negated() };
                 let unit = unit_of(self.program, a).or(unit_of(self.program, b));
-                if op == CompareOp::Unequal || self.is_named(a) || self.is_named(b) {
+                if self.is_named(a) || self.is_named(b) {
+                    let value = match op {
+                        CompareOp::Equal => self.constant(b).map(|b| (a, b)).or(self.constant(a).map(|a| (b, a))),
+                        _ => None,
+                    };
+                    return value.and_then(|(a, value)| self.value(a, value)).unwrap_or(unmeasured);
+                }
+                if op == CompareOp::Unequal {
                     return unmeasured;
                 }
                 let gauge = match (self.variable(a), self.constant(b), self.variable(b), self.constant(a)) {
@@ -291,27 +325,48 @@ impl Builder<'_> {
                 };
                 (gauge, unit)
             }
-            Expr::Near { of: Subject::Slot(slot), x, y, radius } => (Gauge::Circle(slot, [x, y, radius]), Unit::PX),
-            Expr::Touching(Subject::Slot(slot), touch) if wanted => match Contact::new(self.problem, slot, touch) {
-                Some(contact) => (Gauge::Contact(contact), Unit::PX),
+            Expr::Near { of, x, y, radius } => match self.slot(of) {
+                Some(slot) => (Gauge::Circle(slot, [x, y, radius]), Unit::PX),
                 None => unmeasured,
             },
+            Expr::Touching(of, touch) if wanted => {
+                match self.slot(of).and_then(|slot| Contact::new(self.problem, slot, touch)) {
+                    Some(contact) => (Gauge::Contact(contact), Unit::PX),
+                    None => unmeasured,
+                }
+            }
             Expr::InSpace(Subject::Slot(slot), space) if wanted => {
                 (Gauge::Room(slot, ways_to(self.world, |id| id == space)), Unit::ROOMS)
             }
-            Expr::InMode(Subject::Slot(slot), mode) if wanted => {
-                let entity = &self.program.entities[self.world.slots[slot].entity];
-                let mode = &entity.modes[mode];
-                let hops = hops_to(self.program, self.world, slot, mode.group, |leaf| mode.leaves.contains(leaf));
-                (Gauge::Mode(slot, mode.group, hops), Unit::NONE)
+            // Of what a guard asks of modes, the guards are not looked at in turn.
+            Expr::InMode(Subject::Slot(slot), mode) if wanted && self.owner.is_none() => {
+                (Gauge::Mode(mode, Approach::to_mode(self.problem, slot, mode)), Unit::EDGES)
             }
+            Expr::Discrete(..) => self.value(id, f64::from(u8::from(wanted))).unwrap_or(unmeasured),
             _ => unmeasured,
         }
     }
 
+    /// Whose instance it is, if that is always the same.
+    fn slot(&self, subject: Subject) -> Option<SlotId> {
+        match subject {
+            Subject::Slot(slot) => Some(slot),
+            Subject::Me => self.owner,
+            _ => None,
+        }
+    }
+
+    /// How far a discrete variable is from a value with a name, or from true or false.
+    fn value(&self, id: ExprId, value: f64) -> Option<(Gauge, Unit)> {
+        let Expr::Discrete(Subject::Slot(slot), discrete) = self.program.exprs[id] else { return None };
+        let approach = self.owner.is_none().then(|| Approach::to_value(self.problem, slot, discrete, value))?;
+        Some((Gauge::Value(approach?), Unit::EDGES))
+    }
+
     /// Whether it is a value with a name, or true or false: such values are not near each other.
     fn is_named(&self, id: ExprId) -> bool {
-        let Expr::Discrete(Subject::Slot(slot), discrete) = self.program.exprs[id] else { return false };
+        let Expr::Discrete(of, discrete) = self.program.exprs[id] else { return false };
+        let Some(slot) = self.slot(of) else { return false };
         let entity = &self.program.entities[self.world.slots[slot].entity];
         !matches!(entity.discretes[discrete].domain, Domain::Int)
     }
@@ -332,7 +387,7 @@ impl Builder<'_> {
 
     fn variable(&self, id: ExprId) -> Option<(SlotId, VarId, u8)> {
         match self.program.exprs[id] {
-            Expr::Var(Subject::Slot(slot), var, degree) => Some((slot, var, degree)),
+            Expr::Var(of, var, degree) => self.slot(of).map(|slot| (slot, var, degree)),
             _ => None,
         }
     }
@@ -340,28 +395,4 @@ impl Builder<'_> {
     fn constant(&self, id: ExprId) -> Option<f64> {
         self.program.constant(id, &IdVec::new(), self.world.step)
     }
-}
-
-/// For each leaf of an entity, the number of edges to a leaf that is looked for; `u32::MAX` if none leads there.
-fn hops_to(
-    program: &Program,
-    world: &World,
-    slot: SlotId,
-    group: GroupId,
-    is_wanted: impl Fn(LeafId) -> bool,
-) -> Vec<u32> {
-    let entity = &program.entities[world.slots[slot].entity];
-    let of_group = |leaf: LeafId| entity.modes[entity.leaves[leaf].mode].group == group;
-    let is_wanted = |at: usize| of_group(LeafId::from_index(at)) && is_wanted(LeafId::from_index(at));
-    hops(entity.leaves.len(), is_wanted, |at, hops| {
-        let leaf = Some(LeafId::from_index(at)).filter(|leaf| of_group(*leaf));
-        let edges = leaf.into_iter().flat_map(|leaf| &entity.leaves[leaf].edges);
-        let targets = edges.filter_map(|edge| entity.edges[*edge].target);
-        // Where a mode chooses what is entered first, any of its leaves may be.
-        let leads = targets.flat_map(|mode| match entity.modes[mode].chooses {
-            true => entity.modes[mode].leaves.ids().collect::<Vec<_>>(),
-            false => vec![entity.modes[mode].initial],
-        });
-        leads.map(|leaf| hops[leaf.index()]).min().unwrap_or(u32::MAX)
-    })
 }

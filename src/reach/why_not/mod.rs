@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `lack` | the parts of a goal, and how far each is from holding in a state |
 //! | `contact` | the gap between bodies that have to touch |
+//! | `approach` | the edges to a mode or a value, and what the next one lacks |
 //! | `rooms` | the number of links between rooms, and of edges between modes |
 //! | `unit` | the units of distances |
 //! | `tracker`, `gauge` | what a search keeps: nearest states, jumps, places of rest |
@@ -17,6 +18,7 @@
 //! | `closed` | rooms and modes that were never entered |
 //! | `words` | distances in words |
 
+mod approach;
 mod closed;
 mod contact;
 mod explain;

@@ -89,7 +89,7 @@ pub struct PartState {
     pub holds: bool,
     /// How far it is from holding; null if there is no measure, 0 if it holds or is at the limit.
     pub distance: Option<f64>,
-    /// The unit of the distance, such as `px/s`; empty for counts and where the program does not tell.
+    /// The unit of the distance, such as `px/s`, `rooms` or `edges`; empty for counts and where the program does not tell.
     pub unit: String,
     /// The same in words: `misses by 12.4 px`.
     pub words: String,

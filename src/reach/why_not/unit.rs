@@ -7,18 +7,28 @@ use crate::ir::{Arithmetic, Expr, ExprId, Function, Program, VarId};
 pub(super) struct Unit {
     px: i8,
     s: i8,
-    is_room: bool,
+    count: Count,
+}
+
+/// What is counted, of what has no dimension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Count {
+    Things,
+    Rooms,
+    Edges,
 }
 
 impl Unit {
     /// Counts, and what is not known.
-    pub const NONE: Unit = Unit { px: 0, s: 0, is_room: false };
+    pub const NONE: Unit = Unit { px: 0, s: 0, count: Count::Things };
     /// Lengths.
-    pub const PX: Unit = Unit { px: 1, s: 0, is_room: false };
+    pub const PX: Unit = Unit { px: 1, s: 0, count: Count::Things };
     /// Durations.
-    const S: Unit = Unit { px: 0, s: 1, is_room: false };
+    const S: Unit = Unit { px: 0, s: 1, count: Count::Things };
     /// Rooms on a way.
-    pub const ROOMS: Unit = Unit { px: 0, s: 0, is_room: true };
+    pub const ROOMS: Unit = Unit { px: 0, s: 0, count: Count::Rooms };
+    /// Edges on a way.
+    pub const EDGES: Unit = Unit { px: 0, s: 0, count: Count::Edges };
 
     /// What 1 of it counts as, in tiles of 16 px.
     pub fn weight(self) -> f64 {
@@ -35,7 +45,8 @@ impl Unit {
     pub fn name(self) -> String {
         let power = |n: i8| if n == 1 { String::new() } else { format!("^{n}") };
         match (self.px, self.s) {
-            _ if self.is_room => "rooms".to_string(),
+            _ if self.count == Count::Rooms => "rooms".to_string(),
+            _ if self.count == Count::Edges => "edges".to_string(),
             (0, 0) => String::new(),
             (0, s @ 1..) => format!("s{}", power(s)),
             (px, 0) => format!("px{}", power(px)),
@@ -59,7 +70,7 @@ impl Unit {
         Unit {
             px: self.px.saturating_add(other.px.saturating_mul(sign)),
             s: self.s.saturating_add(other.s.saturating_mul(sign)),
-            is_room: false,
+            count: Count::Things,
         }
     }
 }
@@ -68,7 +79,7 @@ impl Unit {
 pub(super) fn unit_of(program: &Program, id: ExprId) -> Unit {
     let of = |id| unit_of(program, id);
     match program.exprs[id] {
-        Expr::Var(_, VarId::X | VarId::Y, degree) => Unit { px: 1, s: -(degree as i8), is_room: false },
+        Expr::Var(_, VarId::X | VarId::Y, degree) => Unit { px: 1, s: -(degree as i8), count: Count::Things },
         Expr::Distance { .. } => Unit::PX,
         Expr::Timer(_) | Expr::Frames(_) => Unit::S,
         Expr::Negate(a) => of(a),

@@ -117,10 +117,16 @@ impl Describer<'_> {
                     Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
                 }
             }
-            (Gauge::Mode(slot, group, _), _) => {
-                let instance = self.sim.instance(state, *slot);
-                let mode = instance.entity().leaves[instance.leaf(*group)].mode;
-                format!("is in `{}`", instance.entity().modes[mode].path)
+            (Gauge::Mode(asked, approach), edges) => {
+                let instance = self.sim.instance(state, approach.slot);
+                let modes = &instance.entity().modes;
+                let mode = instance.entity().leaves[instance.leaf(modes[*asked].group)].mode;
+                let is_in = format!("is in `{}`", modes[mode].path);
+                match edges {
+                    None => format!("{is_in}, from where no edge leads there"),
+                    Some(1.0) => is_in,
+                    Some(edges) => format!("{is_in}, {edges} edges away"),
+                }
             }
             (Gauge::Contact(contact), None) if !contact.is_in_room(self.sim, state) => {
                 let space = self.sim.space(state, contact.slot());
@@ -134,7 +140,7 @@ impl Describer<'_> {
             (Gauge::Contact(contact), None) if !contact.has_body(self.sim, state) => {
                 "the body that would touch it is not there".to_string()
             }
-            (Gauge::Truth, _) => self.value(atom, state).unwrap_or("does not hold".to_string()),
+            (Gauge::Truth | Gauge::Value(_), _) => self.value(atom, state).unwrap_or("does not hold".to_string()),
             (_, Some(distance)) => misses(distance),
             (_, None) => "does not hold".to_string(),
         };

@@ -1,4 +1,4 @@
-//! Arguments about people: timing errors, reaction times, layers of skill.
+//! Arguments about people: timing errors, reaction times.
 
 use clap::Args;
 
@@ -26,22 +26,6 @@ pub(in crate::cli) struct PersonArgs {
     /// and timing errors have an eighth of it as their standard deviation, as with `--robust`.
     #[arg(long, value_name = "TIME", value_parser = Time::read, conflicts_with = "min_hold")]
     pub reaction: Option<Time>,
-    /// Draws the level in layers: who gets where? A layer for each minimum hold in steps, such as `20,12,6,2`, the easiest
-    /// first, and one for each `--layer`.
-    #[arg(
-        long,
-        value_name = "STEPS,…",
-        num_args(0..=1),
-        require_equals = true,
-        default_missing_value = "20,12,6,2",
-        value_parser = Holds::read,
-        conflicts_with_all = ["never", "explore", "minimize", "save_inputs", "results", "csv", "junit", "baseline", "robust", "reaction", "min_hold", "tree", "html"]
-    )]
-    pub skill: Option<Holds>,
-    /// Another layer for `--skill`, without something: a predicate that never holds in it, such as `held(run)`, after the
-    /// holds of at least the last minimum; can be given several times.
-    #[arg(long, value_name = "PREDICATE", requires = "skill")]
-    pub layer: Vec<String>,
 }
 
 impl PersonArgs {
@@ -120,28 +104,6 @@ impl Sigma {
     }
 }
 
-/// Minimum holds of layers, steps.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::cli) struct Holds(pub Vec<u16>);
-
-impl Holds {
-    /// `20,12,6,2`: put into order, the longest first.
-    fn read(text: &str) -> Result<Holds, String> {
-        let hold = |part: &str| {
-            let part = part.trim().trim_end_matches("frames").trim_end_matches("frame");
-            part.parse::<u16>().ok().filter(|steps| *steps > 0)
-        };
-        let holds: Option<Vec<u16>> = text.split(',').map(hold).collect();
-        let mut holds = holds.ok_or_else(|| format!("numbers of steps from 1 to {}, such as `20,12,6,2`", u16::MAX))?;
-        holds.sort_unstable_by(|a, b| b.cmp(a));
-        holds.dedup();
-        match holds.len() {
-            1..=8 => Ok(Holds(holds)),
-            _ => Err("at most 8 layers".to_string()),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,14 +117,6 @@ mod tests {
         assert_eq!(read("sigma=2"), Err("write `sigma=2frames` or `sigma=2ms`".to_string()));
         for wrong in ["", "1.5frames", "sigma=", "sigma=0ms", "sigma=-1frames", "sigma=nans", "trials=5", "sigma=1ms,trials=0"] {
             assert!(read(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn layers_are_in_order() {
-        assert_eq!(Holds::read("2,12,6frames,12"), Ok(Holds(vec![12, 6, 2])));
-        for wrong in ["", "0", "2,", "x", "1,2,3,4,5,6,7,8,9"] {
-            assert!(Holds::read(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -53,7 +53,7 @@ pub struct Query {
     pub minimizes: bool,
     /// The seed of what nature draws; `None`: a search is free to choose it.
     pub chance: Option<u64>,
-    /// Timing errors that paths should withstand.
+    /// Timing errors that paths to goals should withstand; counterexamples are for no person.
     pub errors: Option<TimingErrors>,
 }
 
@@ -250,7 +250,7 @@ impl Session {
             });
         }
         if let Some(errors) = self.query.errors {
-            for found in &mut all {
+            for found in all.iter_mut().filter(|found| matches!(found.target, Target::Goal(_))) {
                 let (target, mut improved) = (found.target, None);
                 let _ = supervisor.supervise(Phase::MakeRobust(target), &mut |watch| {
                     improved = self.improve(found, errors, watch);
@@ -271,7 +271,7 @@ impl Session {
         if self.query.minimizes {
             self.minimize(&mut found, watch);
         }
-        if let Some(errors) = self.query.errors {
+        if let Some(errors) = self.query.errors.filter(|_| matches!(target, Target::Goal(_))) {
             let improved = self.improve(&found, errors, watch);
             self.measure(&mut found, errors, improved, watch);
         }

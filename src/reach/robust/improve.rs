@@ -25,7 +25,9 @@ use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::super::start_hold::is_held;
 use super::Course;
+use super::crowd::{self, Crowd};
 use super::edit::{Cause, edit, follow, pick};
+use super::guide::Guide;
 use super::jitter::Jitter;
 use super::play::{Ending, Nature, Plays};
 use super::timeline::{Change, Timeline};
@@ -33,26 +35,31 @@ use super::timeline::{Change, Timeline};
 /// Errors of plays in units of the standard deviation, in turn.
 const SCALES: [f64; 4] = [1.0, 1.0, 0.5, 0.25];
 /// Number of plays by which plans are compared, at first and at last.
-const PLAYS: (u64, u64) = (256, 2048);
+const PLAYS: (u64, u64) = (256, 1024);
 /// Number of edits that are tried side by side.
 const EDITS: usize = 8;
 /// Number of rounds without a better plan after which more plays are needed to find one.
 const PATIENCE: u32 = 8;
 /// Number of searches for other plans, and minimum holds of the plans, steps, in turn.
-const SEARCHES: usize = 32;
+const SEARCHES: usize = 24;
 const HOLDS: [u16; 5] = [10, 20, 15, 6, 30];
 /// Number of plays by which other plans are compared at first, and number of those that are compared further.
-const FIRST_PLAYS: u64 = 64;
-const FINALISTS: usize = 8;
+const FIRST_PLAYS: u64 = 32;
+const FINALISTS: usize = 4;
 /// Number of plans that are edited in turn at first.
 const POOL: usize = 3;
 /// Maximum number of nodes of a search for another plan, and for the rest of one.
 const NODES: (u64, u64) = (20_000, 2_000);
 /// Simulated steps for each node of the budget.
-const STEPS_PER_NODE: u64 = 100;
+const STEPS_PER_NODE: u64 = 200;
 /// The share of plays that is good enough.
 const ENOUGH: f64 = 0.998;
+/// The share of plays from which on errors need not be smaller.
+const EASY: f64 = 0.05;
+/// Maximum number of steps, times the number of parts, of a plan that is shortened: each part takes a few replays.
+const SHORTENED: u64 = 50_000;
 /// Salts of seeds.
+const CROWDS: u64 = 0x6372_6f77_6473;
 const SEARCH: u64 = 0x726f_6275_7374;
 const CHOICE: u64 = 0x6368_6f69_6365;
 
@@ -92,8 +99,10 @@ pub fn improve_robustness(
         spent: 0,
         budget,
         compared: 1,
+        is_easy: false,
     };
     let Some(best) = improver.run(&first, plan) else { return unchanged };
+    improver.is_easy = true;
     let compared = improver.compared;
     // Chosen by plays that neither plan was edited by.
     let choice = mix(settings.seed, CHOICE);
@@ -145,6 +154,8 @@ struct Improver<'a> {
     spent: u64,
     budget: u64,
     compared: u64,
+    /// Whether plays have true errors only.
+    is_easy: bool,
 }
 
 impl Improver<'_> {
@@ -155,7 +166,13 @@ impl Improver<'_> {
             return None;
         }
         pool.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
+        self.gather(&mut pool, first)?;
         pool.truncate(POOL);
+        // With true errors, if so many succeed that edits can be told apart.
+        self.is_easy = pool.first().is_some_and(|best| best.share() > EASY);
+        let plans = pool.into_iter().map(|candidate| candidate.timeline).collect();
+        let pool: Vec<_> = self.compare(plans, (self.seed, PLAYS.0), None)?.into_iter().flatten().collect();
+        let mut pool = pool;
         let share = self.budget.saturating_sub(self.spent) / 8;
         for candidate in &mut pool {
             let until = self.spent + share;
@@ -179,11 +196,58 @@ impl Improver<'_> {
         Some(best.timeline)
     }
 
+    /// The scale of the errors of a play.
+    fn scale(&self, trial: u64) -> usize {
+        if self.is_easy { 0 } else { trial as usize % SCALES.len() }
+    }
+
+    /// Adds plans with which a crowd arrives, and puts the best first.
+    fn gather(&mut self, pool: &mut Vec<Candidate>, first: &Timeline) -> Option<()> {
+        let mut guides: Vec<Timeline> = pool.iter().take(1).map(|candidate| candidate.timeline.clone()).collect();
+        let quickest = pool.iter().min_by_key(|candidate| candidate.timeline.steps);
+        guides.extend(quickest.map(|candidate| candidate.timeline.clone()).filter(|plan| !guides.contains(plan)));
+        let mut plans = Vec::new();
+        let each = self.budget.saturating_sub(self.spent) * 2 / 3 / guides.len().max(1) as u64;
+        for (guide, seed) in guides.iter().zip(1..) {
+            let meter = Meter::new(self.watch);
+            let course = &self.course;
+            let points = course.checkpoints(guide, &meter)?.states();
+            let reach = crowd::earliest(&self.jitters[0]) as f64;
+            let Some(guide) = Guide::new(course.problem, crowd::controls(course), guide, points, reach) else { continue };
+            let crowd = Crowd {
+                course,
+                guide,
+                jitter: &self.jitters[0],
+                seed: mix(self.seed, seed),
+                threads: self.settings.threads,
+                budget: (each, self.limits.memory / 4),
+                shown: (STEPS_PER_NODE, self.limits.nodes),
+                watch: self.watch,
+            };
+            eprintln!("DBG guide {} steps {} changes, budget {}", crowd.guide.plan.steps, crowd.guide.plan.changes.len(), each);
+            let (found, steps) = crowd.search(first);
+            plans.extend(found);
+            self.spent += steps;
+        }
+        self.is_easy = true;
+        plans.extend(pool.iter().map(|candidate| candidate.timeline.clone()));
+        let seed = mix(self.seed, CROWDS);
+        let mut tried: Vec<Candidate> = self.compare(plans, (seed, 3 * FIRST_PLAYS), None)?.into_iter().flatten().collect();
+        if tried.first().is_some() {
+            tried.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
+            *pool = tried;
+        }
+        for c in pool.iter() { eprintln!("DBG pool {} / {} changes {} steps {}", c.wins.count, c.wins.of.len(), c.timeline.changes.len(), c.timeline.steps); }
+        eprintln!("DBG spent {} of {}", self.spent, self.budget);
+        self.is_easy = false;
+        (!self.watch.stop()).then_some(())
+    }
+
     /// The first plan and others.
     fn candidates(&mut self, first: &Timeline, plan: &Plan) -> Option<Vec<Candidate>> {
         let problem = self.course.problem;
         let (settings, space, watch) = (self.settings, self.space, self.watch);
-        let limits = Limits { nodes: (self.limits.nodes / 8).clamp(1, NODES.0), ..*self.limits };
+        let limits = Limits { nodes: (self.limits.nodes / 16).clamp(1, NODES.0), ..*self.limits };
         let task = |index: usize, context: &TaskContext<'_, (Vec<Plan>, u64)>| {
             let (found, mut steps) = match index {
                 0 => (Some(plan.clone()), 0),
@@ -205,9 +269,13 @@ impl Improver<'_> {
             };
             let mut plans = Vec::new();
             if let Some(plan) = found {
-                let simple = shorten(problem, &plan, watch);
-                steps += plan.steps;
-                plans = vec![plan, simple];
+                let parts = plan.script.steps.len() as u64;
+                if parts * plan.steps <= SHORTENED {
+                    let simple = shorten(problem, &plan, watch);
+                    steps += parts * plan.steps;
+                    plans.push(simple);
+                }
+                plans.push(plan);
             }
             context.submit((plans, steps));
         };
@@ -220,6 +288,7 @@ impl Improver<'_> {
             ControlFlow::Continue(())
         });
         self.spent += spent;
+        eprintln!("DBG searches spent {spent}; plans {:?}", all.iter().flatten().map(|p| (p.steps, p.script.steps.len())).collect::<Vec<_>>());
         let mut timelines: Vec<Timeline> = vec![first.clone()];
         for plan in all.iter().flatten().filter(|plan| plan.after == first.after) {
             let timeline = Timeline::new(problem.sim.world(), plan);
@@ -303,7 +372,7 @@ impl Improver<'_> {
         let mut wins = Wins { of: Vec::with_capacity(plays as usize), count: 0 };
         let (mut gained, mut lost) = (0_u32, 0_u32);
         for trial in 0..plays {
-            let jitter = &self.jitters[trial as usize % SCALES.len()];
+            let jitter = &self.jitters[self.scale(trial)];
             errors.clear();
             errors.extend(timeline.changes.iter().map(|change| jitter.draw(seed, trial, u64::from(change.key))));
             timeline.times(&errors, &mut play.times);
@@ -312,7 +381,7 @@ impl Improver<'_> {
             *spent += play.steps - before;
             let is_won = match ending {
                 Ending::Reached(_) => true,
-                Ending::Failed => false,
+                Ending::Over | Ending::Late => false,
                 Ending::Stopped => return None,
             };
             wins.of.push(is_won);
@@ -415,8 +484,7 @@ impl Improver<'_> {
         let cause = |change: &Change| {
             let (mut late, mut won, mut lost) = (0.0, 0.0, 0.0);
             for (trial, is_won) in (0..).zip(&best.wins.of) {
-                let at = trial as usize % SCALES.len();
-                let error = f64::from(self.jitters[at].draw(seed, trial, u64::from(change.key)));
+                let error = f64::from(self.jitters[self.scale(trial)].draw(seed, trial, u64::from(change.key)));
                 if *is_won {
                     late += error;
                     won += error * error;

@@ -4,9 +4,12 @@
 //!
 //! A timing error is normally distributed and rounded to steps (`jitter.rs`). `timeline.rs` takes a plan apart into changes
 //! of inputs and moves them, `play.rs` simulates the result, `windows.rs` replays each change with each error of its own.
-//! `improve.rs` searches for easier plans, `edit.rs` has its edits.
+//! `improve.rs` searches for easier plans: `edit.rs` has its edits, `crowd.rs` a search with many players at once along a path
+//! (`guide.rs`).
 
+mod crowd;
 mod edit;
+mod guide;
 mod improve;
 mod jitter;
 mod play;
@@ -138,7 +141,7 @@ fn estimate(
             let nature = Nature::Anew(mix(seed, trial));
             match plays.play(timeline, course.start(), until, nature, &meter) {
                 Ending::Reached(_) => successes += 1,
-                Ending::Failed => {}
+                Ending::Over | Ending::Late => {}
                 Ending::Stopped => return context.submit(None),
             }
         }
@@ -237,6 +240,12 @@ impl Checkpoints {
     fn before(&self, step: u64) -> (u64, &[u8]) {
         let at = (step.saturating_sub(self.first) / self.every).min(self.states.len().saturating_sub(1) as u64);
         (self.first + at * self.every, self.states.get(at as usize).map_or(&[], Vec::as_slice))
+    }
+
+    /// The states, with their numbers of steps.
+    fn states(self) -> impl Iterator<Item = (u64, Vec<u8>)> {
+        let (first, every) = (self.first, self.every);
+        (0..).zip(self.states).map(move |(index, state)| (first + index * every, state))
     }
 
     fn place(&self, step: u64) -> Option<Place> {

@@ -11,8 +11,10 @@ use super::timeline::Timeline;
 pub(super) enum Ending {
     /// The target holds after this number of steps.
     Reached(u64),
-    /// The run is over, or the target does not hold in time.
-    Failed,
+    /// The run is over without it.
+    Over,
+    /// The time is over.
+    Late,
     /// The meter stopped it.
     Stopped,
 }
@@ -76,7 +78,8 @@ impl<'p> Plays<'p> {
             match self.problem.judge(&self.state) {
                 Ok(StateStatus::Goal) => return Ending::Reached(step),
                 Ok(StateStatus::Open) if step < until => {}
-                _ => return Ending::Failed,
+                Ok(StateStatus::Open) => return Ending::Late,
+                _ => return Ending::Over,
             }
             while let Some(&change) = self.order.get(next).filter(|change| self.times[**change] <= step) {
                 let change = &timeline.changes[change];
@@ -100,7 +103,7 @@ impl<'p> Plays<'p> {
                 return Ending::Stopped;
             }
             if stepped.is_err() {
-                return Ending::Failed;
+                return Ending::Over;
             }
             self.steps += 1;
             step += 1;

@@ -92,6 +92,18 @@ impl Timeline {
         self
     }
 
+    /// Numbers the changes: the errors of each are those of its number.
+    pub fn number(&mut self) {
+        (0..).zip(&mut self.changes).for_each(|(key, change)| change.key = key);
+    }
+
+    /// The inputs held just before a step.
+    pub fn input_before(&self, step: u64) -> Input {
+        let mut now = self.held.clone();
+        self.changes.iter().take_while(|change| change.step < step).for_each(|c| now.set(c.control, c.value));
+        now
+    }
+
     /// When each change happens if it is made `errors` steps too late: not before the search starts, and at least one
     /// step after the change before of the same control.
     pub fn times(&self, errors: &[i32], out: &mut Vec<u64>) {
@@ -154,7 +166,7 @@ impl Timeline {
 }
 
 /// The value of a button or axis.
-fn value_of(input: &Input, control: Control) -> f64 {
+pub(super) fn value_of(input: &Input, control: Control) -> f64 {
     match control {
         Control::Button(player, button) => f64::from(u8::from(input.of(player).buttons >> button.index() & 1 == 1)),
         Control::Axis(player, axis) => input.of(player).axes[axis.index()],

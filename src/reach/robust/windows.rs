@@ -70,7 +70,7 @@ pub(super) fn windows(course: &Course<'_>, timeline: &Timeline, jitter: &Jitter,
             let from = checkpoints.before(first);
             match plays.play(timeline, from, course.until(timeline), Nature::Planned, &meter) {
                 Ending::Reached(_) => Some(Tried::Reached),
-                Ending::Failed => Some(Tried::Failed),
+                Ending::Over | Ending::Late => Some(Tried::Failed),
                 Ending::Stopped => None,
             }
         };

@@ -249,7 +249,10 @@ fn one_press_succeeds_as_often_as_its_window_says() {
             let expected = between(f64::from(early), f64::from(late), sigma);
             let [low, high] = found.success.interval();
             let wide = 1.3 * (high - low);
-            assert!(low - wide < expected && expected < high + wide, "{press}, {sigma}: {expected}, not {low} to {high}");
+            assert!(
+                low - wide < expected && expected < high + wide,
+                "{press}, {sigma}: {expected}, not {low} to {high}"
+            );
             let window = &found.windows[0];
             assert_eq!((window.early, window.late), (Side::Steps(early), Side::Steps(late)), "{press}");
             assert!((window.alone - expected).abs() < 1e-5, "{press}, {sigma}: {expected}, not {}", window.alone);
@@ -261,7 +264,10 @@ fn one_press_succeeds_as_often_as_its_window_says() {
 /// The worlds with ways through them.
 const WAYS: [(&str, &str); 4] = [
     (PITS, "right*30 right+jump*3 right*47 right+jump*12 right*30 -*15 act*3"),
-    (PITS, "right*28 right+jump*10 right*40 right+jump*10 right*36 right+act*1 right*1 right+act*1 right*1 right+act*2"),
+    (
+        PITS,
+        "right*28 right+jump*10 right*40 right+jump*10 right*36 right+act*1 right*1 right+act*1 right*1 right+act*2",
+    ),
     (LOCK, "left*3 left+right*9 -*3"),
     (LOCK, "-*4 left*1 -*5 right*2 left+right*8 -*2"),
 ];

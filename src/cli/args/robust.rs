@@ -115,7 +115,9 @@ mod tests {
         assert_eq!(read("sigma=1frame,trials=500"), Ok((Sigma::Steps(1.0), 500)));
         assert_eq!(read("trials=7,sigma=25ms"), Ok((Sigma::Seconds(0.025), 7)));
         assert_eq!(read("sigma=2"), Err("write `sigma=2frames` or `sigma=2ms`".to_string()));
-        for wrong in ["", "1.5frames", "sigma=", "sigma=0ms", "sigma=-1frames", "sigma=nans", "trials=5", "sigma=1ms,trials=0"] {
+        for wrong in
+            ["", "1.5frames", "sigma=", "sigma=0ms", "sigma=-1frames", "sigma=nans", "trials=5", "sigma=1ms,trials=0"]
+        {
             assert!(read(wrong).is_err(), "{wrong}");
         }
     }

@@ -271,7 +271,15 @@ pub fn answer_by_analysis_of(
     };
     let answer = session.answer(&mut first, &loaded.sources);
     let (query, saved) = (session.query(), Saved::default());
-    let shown = Shown { query, saved: &saved, seconds: 0.0, step: 0.0, has_rooms: false, detail: Detail::Full, is_verbose: false };
+    let shown = Shown {
+        query,
+        saved: &saved,
+        seconds: 0.0,
+        step: 0.0,
+        has_rooms: false,
+        detail: Detail::Full,
+        is_verbose: false,
+    };
     let text = answer_text(&answer, &shown);
     Ok(Some((exit == Exit::Yes, answer.verdict, text)))
 }

@@ -16,7 +16,10 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
         success_words(success),
         robust.sigma * step * 1000.0
     );
-    out.push_str(&format!("            estimated from {} plays; the goal may hold up to {} s late\n", success.trials, robust.slack));
+    out.push_str(&format!(
+        "            estimated from {} plays; the goal may hold up to {} s late\n",
+        success.trials, robust.slack
+    ));
     if let Some(first) = &robust.first {
         out.push_str(&format!(
             "            the way found first, {} steps, has {}; {} ways compared\n",
@@ -29,14 +32,20 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
         out.push_str("    timing  no single moment needs timing\n");
         return out;
     };
-    out.push_str(&format!("    hardest {}: {}; errors of it alone leave {}\n", moment(hardest, has_rooms), window(hardest), percent(hardest.alone)));
+    out.push_str(&format!(
+        "    hardest {}: {}; errors of it alone leave {}\n",
+        moment(hardest, has_rooms),
+        window(hardest),
+        percent(hardest.alone)
+    ));
     let mut others: Vec<&ChangeRecord> = robust.changes.iter().filter(|change| needs_timing(change)).collect();
     let (all, count) = (robust.changes.len(), others.len());
     let shown = if lists_all { count } else { MAX_MOMENTS };
     others.sort_by(|a, b| a.alone.total_cmp(&b.alone).then(a.step.cmp(&b.step)));
     others.truncate(shown);
     others.sort_by_key(|change| change.step);
-    let rest = if shown < count { format!(", the hardest {shown} of them (`--verbose` shows all)") } else { String::new() };
+    let rest =
+        if shown < count { format!(", the hardest {shown} of them (`--verbose` shows all)") } else { String::new() };
     out.push_str(&format!("    windows {count} of {all} changes need timing{rest}\n"));
     for change in others {
         out.push_str(&format!("            {}: {}\n", moment(change, has_rooms), window(change)));

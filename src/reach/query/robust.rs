@@ -136,7 +136,10 @@ impl RobustRecord {
             first,
             compared: found.compared,
             changes: robustness.windows.iter().map(|window| record(sim, window)).collect(),
-            hardest: robustness.windows.iter().position(|window| hardest.is_some_and(|other| std::ptr::eq(other, window))),
+            hardest: robustness
+                .windows
+                .iter()
+                .position(|window| hardest.is_some_and(|other| std::ptr::eq(other, window))),
         }
     }
 }

@@ -319,7 +319,14 @@ impl Session {
         let why_not = self.why_not(found, sources);
         let errors = self.query.errors.zip(found.robust.as_ref());
         let robust = errors.map(|(errors, robust)| RobustRecord::new(&self.sim, errors, robust));
-        Answer { violations, luck, spaces, why_not, robust, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+        Answer {
+            violations,
+            luck,
+            spaces,
+            why_not,
+            robust,
+            ..Answer::new(&self.sim, sources, found.target, &found.outcome)
+        }
     }
 
     /// What came nearest to a target that was not reached, if the search kept it.

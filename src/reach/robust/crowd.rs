@@ -36,6 +36,8 @@ const BATCH: usize = 64;
 const KEPT: usize = 10;
 /// Number of places at the front in which half of all extensions begin.
 const FRONT: usize = 8;
+/// Number of places within which a loss counts as soon.
+const SOON: usize = 5;
 /// Errors beyond this number of standard deviations count as so large.
 const REACH: f64 = 3.5;
 /// Number of plans that are returned.
@@ -113,8 +115,9 @@ impl Crowd<'_> {
             let mut rng = Pcg64::seed_from_u64(mix(mix(self.seed, CROWDED), round));
             round += 1;
             let best = plans.first().map_or(0, |(count, _)| *count);
+            let lost = losses(&archive);
             let tasks: Vec<(Arc<Node>, Extension)> =
-                (0..BATCH).filter_map(|_| self.choose(&mut archive, best, &mut rng)).collect();
+                (0..BATCH).filter_map(|_| self.choose(&mut archive, (best, &lost), &mut rng)).collect();
             let mut grown: Vec<Option<Grown>> = tasks.iter().map(|_| None).collect();
             let (known, stop) = (&archive, || self.watch.stop());
             let task = |index: usize, context: &TaskContext<'_, (Option<Grown>, u64)>| {
@@ -143,7 +146,6 @@ impl Crowd<'_> {
             if held > most {
                 thin(&mut archive, most);
             }
-            if round % 100 == 0 { eprintln!("DBG round {round} spent {spent} held {held} size {size} best {:?} front {:?}", plans.first().map(|p| (p.0, p.1.changes.len(), p.1.steps)), archive.iter().step_by(8).map(|(k, v)| (*k, v.iter().map(|e| e.count).max().unwrap_or(0))).collect::<Vec<_>>()); }
             let nodes = spent / self.shown.0;
             self.watch.progress(Progress { nodes, budget: self.shown.1, places: archive.len() as u64 });
         }
@@ -163,14 +165,24 @@ impl Crowd<'_> {
     fn choose(
         &self,
         archive: &mut BTreeMap<usize, Vec<Entry>>,
-        best: usize,
+        (best, lost): (usize, &[usize]),
         rng: &mut Pcg64,
     ) -> Option<(Arc<Node>, Extension)> {
-        let at_front = best == 0 && rng.random::<bool>();
         let places = archive.len();
-        let index = match at_front {
-            true => places.saturating_sub(1 + rng.random_range(0..FRONT)),
-            false => rng.random_range(0..places),
+        let all: usize = lost.iter().sum();
+        let index = match rng.random_range(0..4) {
+            0 | 1 if best == 0 => places.saturating_sub(1 + rng.random_range(0..FRONT)),
+            // Where many are lost.
+            1..=3 if all > 0 => {
+                let mut left = rng.random_range(0..all);
+                let at = lost.iter().position(|lost| {
+                    let is_here = left < *lost;
+                    left = left.saturating_sub(*lost);
+                    is_here
+                });
+                at.unwrap_or(0)
+            }
+            _ => rng.random_range(0..places),
         };
         let entries = archive.values_mut().nth(index)?;
         // Of two the one with more players, unless it was chosen often.
@@ -183,7 +195,7 @@ impl Crowd<'_> {
         }
         entries[at].chosen += 1;
         let node = entries[at].node.clone();
-        let extension = match rng.random_range(0..5) {
+        let extension = match rng.random_range(0..3) {
             0 => self.follow(&node, archive, rng),
             _ => None,
         };
@@ -198,7 +210,9 @@ impl Crowd<'_> {
         let ahead: Vec<&Entry> = archive.range(here + 1..).take(3 * FRONT).flat_map(|(_, entries)| entries).collect();
         let other = match ahead.len() {
             0 => None,
-            count => ahead.get(rng.random_range(0..count)).map(|entry| (&entry.node.plan, entry.node.log.as_slice(), 0)),
+            count => {
+                ahead.get(rng.random_range(0..count)).map(|entry| (&entry.node.plan, entry.node.log.as_slice(), 0))
+            }
         };
         // The states of a node are behind the time up to which its inputs are settled.
         let (plan, log, behind) = other.filter(|_| rng.random_range(0..4) > 0).unwrap_or(own);
@@ -293,7 +307,10 @@ impl Crowd<'_> {
             let ending = plays.play(&plan, (node.simulated, &player.state), until, nature, meter);
             let mark = self.guide.advance(player.mark, until - node.simulated, &plays.state);
             let state = plays.state.clone();
-            (ending, Player { state, mark, is_over: ending == Ending::Over, is_there: matches!(ending, Ending::Reached(_)) })
+            (
+                ending,
+                Player { state, mark, is_over: ending == Ending::Over, is_there: matches!(ending, Ending::Reached(_)) },
+            )
         };
         let (ending, mut front) = move_on(plays, &node.players[0], &errors, until, 0);
         let is_there = match ending {
@@ -345,6 +362,13 @@ impl Crowd<'_> {
     }
 }
 
+/// For each place that was reached, the number of players that are lost soon after it.
+fn losses(archive: &BTreeMap<usize, Vec<Entry>>) -> Vec<usize> {
+    let most: Vec<usize> = archive.values().map(|entries| entries.iter().map(|e| e.count).max().unwrap_or(0)).collect();
+    let later = |place: usize| most.get(place + SOON).or(most.last()).copied().unwrap_or(0);
+    most.iter().enumerate().map(|(place, count)| count.saturating_sub(later(place))).collect()
+}
+
 /// The number of players with which a beginning of a kind is kept.
 fn least_kept(entries: &[Entry], kind: u64) -> usize {
     match entries.iter().find(|entry| entry.kind == kind) {
@@ -368,7 +392,8 @@ fn keep(entries: &mut Vec<Entry>, found: Grown) {
         return;
     }
     if entries.len() >= KEPT {
-        let worst = entries.iter().enumerate().min_by_key(|(_, entry)| entry.count).map(|(at, entry)| (at, entry.count));
+        let worst =
+            entries.iter().enumerate().min_by_key(|(_, entry)| entry.count).map(|(at, entry)| (at, entry.count));
         match worst {
             Some((at, least)) if least < count => drop(entries.remove(at)),
             _ => return,

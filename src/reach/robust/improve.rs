@@ -100,16 +100,22 @@ pub fn improve_robustness(
         budget,
         compared: 1,
         is_easy: false,
+        known: None,
     };
-    let Some(best) = improver.run(&first, plan) else { return unchanged };
+    let ended = improver.run(&first, plan);
+    let is_stopped = ended.is_none();
+    let Some(best) = ended.or_else(|| improver.known.take()) else { return unchanged };
     improver.is_easy = true;
     let compared = improver.compared;
     // Chosen by plays that neither plan was edited by.
     let choice = mix(settings.seed, CHOICE);
     let count = |timeline: &Timeline| improver.wins(timeline, choice, PLAYS.1, None, &mut 0);
-    let (Some(Ok(old)), Some(Ok(new))) = (count(&first), count(&best)) else { return unchanged };
-    if new.count <= old.count {
-        return Improved { compared, ..unchanged };
+    // If it is stopped, the plan that was the best so far.
+    if !is_stopped {
+        let (Some(Ok(old)), Some(Ok(new))) = (count(&first), count(&best)) else { return unchanged };
+        if new.count <= old.count {
+            return Improved { compared, ..unchanged };
+        }
     }
     let script = match problem.sim.draws() {
         [] => best.script(),
@@ -156,6 +162,8 @@ struct Improver<'a> {
     compared: u64,
     /// Whether plays have true errors only.
     is_easy: bool,
+    /// The best plan so far.
+    known: Option<Timeline>,
 }
 
 impl Improver<'_> {
@@ -166,7 +174,9 @@ impl Improver<'_> {
             return None;
         }
         pool.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
+        self.note(pool.first());
         self.gather(&mut pool, first)?;
+        self.note(pool.first());
         pool.truncate(POOL);
         // With true errors, if so many succeed that edits can be told apart.
         self.is_easy = pool.first().is_some_and(|best| best.share() > EASY);
@@ -179,6 +189,7 @@ impl Improver<'_> {
             self.climb(candidate, (self.seed, PLAYS.0), until)?;
         }
         let mut best = pool.into_iter().reduce(|a, b| if b.wins.count > a.wins.count { b } else { a })?;
+        self.note(Some(&best));
         // With ever more plays, each time others: a plan must not be good at some errors only.
         let mut plays = PLAYS.0;
         while self.spent < self.budget && best.share() < ENOUGH && !self.watch.stop() {
@@ -188,12 +199,17 @@ impl Improver<'_> {
             self.spent += spent;
             best.wins = wins;
             self.climb(&mut best, (seed, plays), self.budget);
+            self.note(Some(&best));
             if plays >= PLAYS.1 {
                 break;
             }
             plays *= 2;
         }
         Some(best.timeline)
+    }
+
+    fn note(&mut self, best: Option<&Candidate>) {
+        self.known = best.map(|best| best.timeline.clone());
     }
 
     /// The scale of the errors of a play.
@@ -207,13 +223,15 @@ impl Improver<'_> {
         let quickest = pool.iter().min_by_key(|candidate| candidate.timeline.steps);
         guides.extend(quickest.map(|candidate| candidate.timeline.clone()).filter(|plan| !guides.contains(plan)));
         let mut plans = Vec::new();
-        let each = self.budget.saturating_sub(self.spent) * 2 / 3 / guides.len().max(1) as u64;
+        let each = self.budget.saturating_sub(self.spent) * 3 / 4 / guides.len().max(1) as u64;
         for (guide, seed) in guides.iter().zip(1..) {
             let meter = Meter::new(self.watch);
             let course = &self.course;
             let points = course.checkpoints(guide, &meter)?.states();
             let reach = crowd::earliest(&self.jitters[0]) as f64;
-            let Some(guide) = Guide::new(course.problem, crowd::controls(course), guide, points, reach) else { continue };
+            let Some(guide) = Guide::new(course.problem, crowd::controls(course), guide, points, reach) else {
+                continue;
+            };
             let crowd = Crowd {
                 course,
                 guide,
@@ -224,7 +242,6 @@ impl Improver<'_> {
                 shown: (STEPS_PER_NODE, self.limits.nodes),
                 watch: self.watch,
             };
-            eprintln!("DBG guide {} steps {} changes, budget {}", crowd.guide.plan.steps, crowd.guide.plan.changes.len(), each);
             let (found, steps) = crowd.search(first);
             plans.extend(found);
             self.spent += steps;
@@ -232,13 +249,12 @@ impl Improver<'_> {
         self.is_easy = true;
         plans.extend(pool.iter().map(|candidate| candidate.timeline.clone()));
         let seed = mix(self.seed, CROWDS);
-        let mut tried: Vec<Candidate> = self.compare(plans, (seed, 3 * FIRST_PLAYS), None)?.into_iter().flatten().collect();
+        let mut tried: Vec<Candidate> =
+            self.compare(plans, (seed, 3 * FIRST_PLAYS), None)?.into_iter().flatten().collect();
         if tried.first().is_some() {
             tried.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
             *pool = tried;
         }
-        for c in pool.iter() { eprintln!("DBG pool {} / {} changes {} steps {}", c.wins.count, c.wins.of.len(), c.timeline.changes.len(), c.timeline.steps); }
-        eprintln!("DBG spent {} of {}", self.spent, self.budget);
         self.is_easy = false;
         (!self.watch.stop()).then_some(())
     }
@@ -288,7 +304,6 @@ impl Improver<'_> {
             ControlFlow::Continue(())
         });
         self.spent += spent;
-        eprintln!("DBG searches spent {spent}; plans {:?}", all.iter().flatten().map(|p| (p.steps, p.script.steps.len())).collect::<Vec<_>>());
         let mut timelines: Vec<Timeline> = vec![first.clone()];
         for plan in all.iter().flatten().filter(|plan| plan.after == first.after) {
             let timeline = Timeline::new(problem.sim.world(), plan);
@@ -409,8 +424,7 @@ impl Improver<'_> {
             let tried = self.compare(edits, (seed, plays), Some(&best.wins))?;
             let better = |new: &Candidate, old: &Candidate| {
                 let simple = |c: &Candidate| (c.timeline.changes.len(), c.timeline.steps);
-                new.wins.count > old.wins.count
-                    || new.wins.count == old.wins.count && simple(new) < simple(old)
+                new.wins.count > old.wins.count || new.wins.count == old.wins.count && simple(new) < simple(old)
             };
             let old = best.wins.count;
             for candidate in tried.into_iter().flatten() {

@@ -205,9 +205,10 @@ impl<'p> Course<'p> {
         let mut points = Checkpoints { first: timeline.after, every, states: Vec::new(), places: Vec::new() };
         let mut state = self.start.1.to_vec();
         for step in timeline.after..=timeline.steps {
-            points.places.push(self.player.map(|player| {
-                (self.problem.sim.space(&state, player), self.problem.sim.position(&state, player))
-            }));
+            points.places.push(
+                self.player
+                    .map(|player| (self.problem.sim.space(&state, player), self.problem.sim.position(&state, player))),
+            );
             if (step - timeline.after) % every == 0 {
                 points.states.push(state.clone());
             }

@@ -63,7 +63,15 @@ impl Timeline {
         let has_draws = plan.script.steps.iter().any(|part| !part.input.1.is_empty());
         let drawn = plan.script.inputs().skip(plan.after as usize).filter(|_| has_draws).map(|input| input.1.clone());
         let nature = drawn.collect();
-        Timeline::of(Timeline { given, held, changes, before: Vec::new(), after: plan.after, steps: plan.steps, nature })
+        Timeline::of(Timeline {
+            given,
+            held,
+            changes,
+            before: Vec::new(),
+            after: plan.after,
+            steps: plan.steps,
+            nature,
+        })
     }
 
     /// The same plan with other changes, which are put into order. Changes that change nothing are left out.

@@ -46,7 +46,12 @@ pub struct Window {
 }
 
 /// The windows of all changes, in the order of their times; `None` if the watch stops it.
-pub(super) fn windows(course: &Course<'_>, timeline: &Timeline, jitter: &Jitter, watch: &dyn Watch) -> Option<Vec<Window>> {
+pub(super) fn windows(
+    course: &Course<'_>,
+    timeline: &Timeline,
+    jitter: &Jitter,
+    watch: &dyn Watch,
+) -> Option<Vec<Window>> {
     let mut plays = Plays::new(course.problem);
     let meter = Meter::new(watch);
     let tried = jitter.tried();

@@ -155,10 +155,10 @@ fn changes(script: &Script) -> Vec<Change> {
     let (mut buttons, mut axes) = (0_u64, [0.0; 2]);
     for (input, step) in script.inputs().zip(0..) {
         let now = input.0[0];
-        for axis in 0..2 {
-            if now.axes[axis] != axes[axis] {
-                all.push((64 + axis as u32, step, now.axes[axis]));
-                axes[axis] = now.axes[axis];
+        for ((control, last), value) in (64..).zip(&mut axes).zip(now.axes) {
+            if value != *last {
+                all.push((control, step, value));
+                *last = value;
             }
         }
         for button in 0..64 {

@@ -53,7 +53,7 @@ pub(in crate::cli) enum Command {
     /// Opens a page in the browser to play, scrub, change and question a world.
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
-    Reach(ReachArgs),
+    Reach(Box<ReachArgs>),
     /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.

@@ -251,7 +251,7 @@ impl Improver<'_> {
         let seed = mix(self.seed, CROWDS);
         let mut tried: Vec<Candidate> =
             self.compare(plans, (seed, 3 * FIRST_PLAYS), None)?.into_iter().flatten().collect();
-        if tried.first().is_some() {
+        if !tried.is_empty() {
             tried.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
             *pool = tried;
         }

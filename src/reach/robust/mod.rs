@@ -209,7 +209,7 @@ impl<'p> Course<'p> {
                 self.player
                     .map(|player| (self.problem.sim.space(&state, player), self.problem.sim.position(&state, player))),
             );
-            if (step - timeline.after) % every == 0 {
+            if (step - timeline.after).is_multiple_of(every) {
                 points.states.push(state.clone());
             }
             let ending = plays.play(timeline, (step, &state), step + 1, Nature::Planned, meter);

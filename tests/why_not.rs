@@ -361,6 +361,28 @@ fn a_goal_above_needs_a_rise() {
     assert_eq!((way.barrier, way.size), (Barrier::Height, Some(98.0)), "{way:?}");
 }
 
+/// Who hops on from a step at once does not rest for two steps, but its jump began there.
+#[test]
+fn a_hop_from_a_step_is_a_jump_of_its_own() {
+    let body = "
+    collide body with floor: block
+    space main {
+        bounds rect(0, 0, 320, 240)
+        rect floor (0, 0, 320, 16)
+        rect floor (100, 16, 40, 32)
+        rect floor (150, 16, 40, 64)
+        place hero: Runner at (16, 16)
+    }
+    player 1: hero
+";
+    for seed in 1..4 {
+        let world = world(RUNNER, body, "hero.y > 160");
+        let (_, answer) = ask(&world, Planner::Coverage, 5_000, |query| query.settings.seed = seed);
+        let why = why(&answer);
+        assert_eq!((why.highest_jump, why.longest_jump), (62.0, 63.0), "seed {seed}");
+    }
+}
+
 /// Rooms that a link leads to are told with the link and what it asks for.
 #[test]
 fn closed_rooms_are_told_with_their_links() {

@@ -60,6 +60,7 @@ mod findings;
 mod fixpoint;
 mod geometry;
 mod membership;
+mod never;
 mod step;
 mod travel_bound;
 mod varied;
@@ -69,6 +70,7 @@ pub use domain::values::{Interval, Values};
 pub use domain::wording;
 pub use findings::{InvariantVerdict, Spaces, findings, invariants, watched_findings};
 pub use membership::{Beyond, Membership, Outside, Reading};
+pub use never::{Part, Quantity, never_holds};
 pub use varied::{ParamRange, Varied};
 
 use std::sync::Arc;

@@ -1,12 +1,10 @@
 //! `hypedc lsp`: the language server over standard input and output.
 
-use std::io;
+use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use lsp_server::Connection;
-
-use crate::lsp::{Server, Settings, Workspace};
+use crate::lsp::{Server, Settings, Transport, Workspace};
 use crate::source::{Files, ReadError};
 
 use super::Exit;
@@ -61,11 +59,13 @@ impl Workspace for Folders {
 }
 
 pub(super) fn run() -> io::Result<Exit> {
-    let (connection, threads) = Connection::stdio();
+    // Editors keep what a server says here in a log.
+    let report = |why: &str| drop(writeln!(io::stderr(), "hypedc lsp: {why}"));
+    let (connection, transport) = Transport::start(BufReader::new(io::stdin()), io::stdout(), report);
     let orderly = Server::serve(connection, Arc::new(Folders), Settings::default());
     // A client that disconnected may have left the pipe open.
     if orderly {
-        threads.join()?;
+        transport.join()?;
     }
     Ok(if orderly { Exit::Yes } else { Exit::No })
 }

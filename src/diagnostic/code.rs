@@ -122,6 +122,7 @@ codes! {
     UnprovenInvariant Warning "W0703" "an invariant is not proven"
     LeavesRange Warning "W0704" "by the values, a discrete variable may leave its range"
     Tunnels Warning "W0705" "a body may pass through what blocks it"
+    GoalByValue Warning "W0706" "by the values, a goal is never reached"
     Renamed Warning "W0801" "an imported name is changed"
     LeftOut Warning "W0802" "something without effect is not imported"
     Bounded Warning "W0803" "an imported number is given bounds"

@@ -1,7 +1,7 @@
 //! The open documents: their texts and versions, in sync with the editor.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -17,6 +17,8 @@ pub(in crate::lsp) struct Document {
     /// Whether it is a program, and not a level or a legend.
     pub is_program: bool,
     pub text: Arc<Text>,
+    /// The lines of the last change, until the document is saved: what is being typed is not finished.
+    pub edited: Option<RangeInclusive<u32>>,
 }
 
 /// A change of a text.
@@ -40,7 +42,7 @@ impl Documents {
     /// Opens a document, or replaces it if it is already open.
     pub fn open(&mut self, path: PathBuf, uri: String, version: i32, text: String, language: &str) {
         let is_program = language == "hyped" || path.extension().is_some_and(|e| e == "hyped");
-        let document = Document { uri, version, is_program, text: Arc::new(Text::new(text)) };
+        let document = Document { uri, version, is_program, text: Arc::new(Text::new(text)), edited: None };
         Arc::make_mut(&mut self.open).insert(path, document);
     }
 
@@ -52,8 +54,18 @@ impl Documents {
         let text = Arc::make_mut(&mut document.text);
         for Change { range, new_text } in changes {
             text.change(range.clone(), new_text, encoding);
+            document.edited = range.as_ref().map(|range| {
+                let first = range.start.line;
+                first..=first.saturating_add(new_text.matches('\n').count() as u32)
+            });
         }
         true
+    }
+
+    /// A document was saved: nothing of it is being typed. Returns whether something was.
+    pub fn save(&mut self, path: &Path) -> bool {
+        let Some(document) = Arc::make_mut(&mut self.open).get_mut(path) else { return false };
+        document.edited.take().is_some()
     }
 
     /// Closes a document; returns whether it was open.

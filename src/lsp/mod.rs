@@ -40,7 +40,7 @@ mod view;
 use std::path::{Path, PathBuf};
 
 #[cfg(feature = "lsp")]
-pub use protocol::{Server, Settings};
+pub use protocol::{Server, Settings, Transport};
 
 use crate::source::Files;
 

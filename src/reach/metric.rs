@@ -4,7 +4,8 @@
 use rand::Rng;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{Bounds, DiscreteId, GroupId, SlotId, Space, TimerId, VarId, World};
+pub use crate::analysis::Quantity;
+use crate::ir::{Bounds, GroupId, SlotId, Space, VarId, World};
 use crate::sim::Simulator;
 
 use super::bounds::{self, Sampling};
@@ -17,17 +18,6 @@ pub const MODE_PENALTY: f32 = 0.05;
 
 /// The leaf of an absent instance.
 pub(super) const NO_LEAF: f32 = -1.0;
-
-/// What a coordinate measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// A continuous variable or a derivative.
-    Var(SlotId, VarId, u8),
-    /// A discrete variable.
-    Discrete(SlotId, DiscreteId),
-    /// A timer's count.
-    Timer(SlotId, TimerId),
-}
 
 /// A coordinate and its range.
 #[derive(Debug, Clone, Copy, PartialEq)]

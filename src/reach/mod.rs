@@ -54,6 +54,7 @@ mod tree;
 pub mod why_not;
 mod window;
 
+pub use crate::analysis::Part;
 pub use bounds::Sampling;
 pub use conclusion::Conclusion;
 pub use controls::MAX_CONTROLS;
@@ -70,7 +71,7 @@ pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Ver
 pub use planners::Planner;
 pub use probability::Luck;
 pub use problem::{BadStart, Problem, Start, StateStatus, Target, Termination};
-pub use proof::{Part, Proof, TooFar};
+pub use proof::{Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
 

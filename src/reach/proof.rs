@@ -1,12 +1,11 @@
 //! Explains why a goal cannot be reached: the parts of its predicate that hold in no state of the configuration space,
 //! with the values that they read.
 
-use crate::analysis::{ConfigurationSpace, Interval, SlotSpace, Values};
-use crate::ir::{Expr, ExprId, SlotId, Subject, VarId};
+use crate::analysis::{ConfigurationSpace, Interval, Part, never_holds};
+use crate::ir::SlotId;
 use crate::sim::Fault;
 use crate::watch::Watch;
 
-use super::metric::Quantity;
 use super::problem::{Problem, Target};
 
 /// The argument that a goal cannot be reached; each part would need the opposite truth value.
@@ -16,29 +15,12 @@ pub struct Proof {
     pub parts: Vec<Part>,
 }
 
-/// A part of a predicate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Part {
-    /// The expression.
-    pub predicate: ExprId,
-    /// Its constant truth value.
-    pub holds: bool,
-    /// The variables that it reads, with all their values.
-    pub reads: Vec<(Quantity, Values)>,
-}
-
 impl Proof {
     /// A proof from the analysis that the target holds in no state, if there is one. A `never` also counts in the state
     /// in which a run ends, so its space must contain those states.
     pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Proof> {
         let (program, world) = (problem.sim.program(), problem.sim.world_id());
-        if space.can_evaluate_to(program, world, problem.predicate(), true) {
-            return None;
-        }
-        let mut proof = Proof { parts: Vec::new() };
-        let prover = Prover { problem, space };
-        prover.explain(problem.predicate(), true, &mut proof.parts);
-        Some(proof)
+        never_holds(program, world, problem.predicate(), space).map(|parts| Proof { parts })
     }
 }
 
@@ -94,87 +76,5 @@ impl TooFar {
             TooFar { player, within: hull.unwrap_or([Interval::ALL; 2]), least: low + 1 }
         });
         Ok(found)
-    }
-}
-
-struct Prover<'a> {
-    problem: &'a Problem<'a>,
-    space: &'a ConfigurationSpace,
-}
-
-impl Prover<'_> {
-    fn can(&self, id: ExprId, holds: bool) -> bool {
-        self.space.can_evaluate_to(self.problem.sim.program(), self.problem.sim.world_id(), id, holds)
-    }
-
-    /// Collects the parts because of which an expression cannot have the wanted truth value.
-    fn explain(&self, id: ExprId, wanted: bool, parts: &mut Vec<Part>) {
-        match (self.problem.sim.program().exprs[id], wanted) {
-            (Expr::Not(a), _) => self.explain(a, !wanted, parts),
-            // Both are needed: one impossible part is enough.
-            (Expr::And(a, b), true) | (Expr::Or(a, b), false) => {
-                match [a, b].into_iter().find(|part| !self.can(*part, wanted)) {
-                    Some(part) => self.explain(part, wanted, parts),
-                    None => parts.push(self.part(id, wanted)),
-                }
-            }
-            (Expr::And(a, b), false) | (Expr::Or(a, b), true) => {
-                self.explain(a, wanted, parts);
-                self.explain(b, wanted, parts);
-            }
-            _ => parts.push(self.part(id, wanted)),
-        }
-    }
-
-    fn part(&self, predicate: ExprId, wanted: bool) -> Part {
-        let mut quantities = Vec::new();
-        self.reads(predicate, &mut quantities);
-        let reads = quantities.into_iter().filter_map(|q| Some((q, self.values(q)?))).collect();
-        Part { predicate, holds: !wanted, reads }
-    }
-
-    /// The variables of instances that an expression reads, without duplicates.
-    fn reads(&self, id: ExprId, out: &mut Vec<Quantity>) {
-        let mut add = |quantity: Quantity| {
-            if !out.contains(&quantity) {
-                out.push(quantity);
-            }
-        };
-        match self.problem.sim.program().exprs[id] {
-            Expr::Var(Subject::Slot(slot), var, degree) => add(Quantity::Var(slot, var, degree)),
-            Expr::Discrete(Subject::Slot(slot), discrete) => add(Quantity::Discrete(slot, discrete)),
-            Expr::Near { of, x, y, radius } => {
-                if let Subject::Slot(slot) = of {
-                    add(Quantity::Var(slot, VarId::X, 0));
-                    add(Quantity::Var(slot, VarId::Y, 0));
-                }
-                [x, y, radius].into_iter().for_each(|id| self.reads(id, out));
-            }
-            Expr::Negate(a) | Expr::Not(a) => self.reads(a, out),
-            Expr::Arithmetic(_, a, b) | Expr::Compare(_, a, b) | Expr::And(a, b) | Expr::Or(a, b) => {
-                self.reads(a, out);
-                self.reads(b, out);
-            }
-            Expr::Call(_, arguments) => arguments.into_iter().for_each(|id| self.reads(id, out)),
-            _ => {}
-        }
-    }
-
-    /// All values of a variable; `None` if unknown.
-    fn values(&self, quantity: Quantity) -> Option<Values> {
-        let of =
-            |slot: SlotId| -> Option<&SlotSpace> { Some(&self.space.finest().slots[slot]).filter(|s| !s.is_given_up) };
-        let mut all: Vec<Interval> = Vec::new();
-        let slot = match quantity {
-            Quantity::Var(slot, ..) | Quantity::Discrete(slot, _) | Quantity::Timer(slot, _) => of(slot)?,
-        };
-        for at in &slot.configurations {
-            match quantity {
-                Quantity::Var(_, var, degree) => all.extend(at.vars[var][usize::from(degree)].intervals()),
-                Quantity::Discrete(_, id) => all.extend(at.discretes[id].intervals()),
-                Quantity::Timer(_, id) => all.push(at.timers[id]),
-            }
-        }
-        Some(Values::any(all))
     }
 }

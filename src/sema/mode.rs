@@ -61,7 +61,9 @@ impl ModeNames {
         let made = if whole { &self.whole } else { &self.last };
         let known = made.get_or_init(|| {
             let mut known = BTreeMap::new();
-            for (path, _, at) in &self.modes {
+            // What holds in all modes is not entered.
+            for (path, _, at) in self.modes.iter().filter(|(path, ..)| path.last().is_none_or(|last| last != "always"))
+            {
                 let text = if whole { path.join(".") } else { path.last().cloned().unwrap_or_default() };
                 known.entry(text).or_insert(*at);
             }
@@ -154,7 +156,11 @@ impl Checker<'_> {
         }
         let written = segments.join(".");
         if all.is_empty() {
-            let fact = unknown("mode", &written, path.span, names.known(segments.len() > 1));
+            let mut fact = unknown("mode", &written, path.span, names.known(segments.len() > 1));
+            let is_removal = ["destroyed", "removed", "deleted", "gone"].contains(&written.as_str());
+            if is_removal && group.is_some() {
+                fact = fact.declared_by("an edge that removes its instance has no target: `{ destroy self }`".into());
+            }
             self.report_unknown(fact);
             return None;
         }

@@ -7,6 +7,7 @@ use crate::diagnostic::similar;
 
 use super::Rule;
 use super::foreign::foreign;
+use super::foreign_statement::{foreign_statement, statements};
 
 /// The point where a part stopped matching its rule.
 pub(super) struct Failure<'a> {
@@ -139,7 +140,8 @@ const RAMPS: &[ForeignWords] = &[(&["peak", "hold"], Some("sustain"), "a level t
 
 /// The most likely fix.
 pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Option<LikelyFix> {
-    foreign(failed)
+    foreign_statement(failed)
+        .or_else(|| foreign(failed))
         .or_else(|| comment(failed))
         .or_else(|| condition(failed))
         .or_else(|| update(failed))
@@ -150,6 +152,7 @@ pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Opti
         .or_else(|| equality(failed))
         .or_else(|| block(failed))
         .or_else(|| opener(failed, opening))
+        .or_else(|| statements(failed, opening))
 }
 
 impl<'a> Failure<'a> {

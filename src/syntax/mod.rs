@@ -15,6 +15,7 @@ mod build_world;
 mod expand;
 mod expression;
 mod foreign;
+mod foreign_statement;
 mod import;
 mod keyword;
 mod likely_fix;

@@ -51,10 +51,15 @@ pub struct Client {
 impl Client {
     /// An editor with a folder, whose server has a disk of its own.
     pub fn start(files: &[(&str, &str)], capabilities: Value) -> Self {
-        let (ours, theirs) = Connection::memory();
         let disk = Memory(files.iter().map(|(path, text)| (PathBuf::from(path), (*text).to_string())).collect());
+        Client::start_on(Arc::new(disk), capabilities)
+    }
+
+    /// An editor whose server reads a given disk.
+    pub fn start_on(disk: Arc<dyn Workspace>, capabilities: Value) -> Self {
+        let (ours, theirs) = Connection::memory();
         let settings = Settings { debounce: Duration::ZERO };
-        let server = std::thread::spawn(move || Server::serve(theirs, Arc::new(disk), settings));
+        let server = std::thread::spawn(move || Server::serve(theirs, disk, settings));
         let mut client = Client {
             connection: ours,
             server: Some(server),

@@ -1,5 +1,5 @@
 //! Findings from the configuration space: guards and modes that values decide, invariants that are not proven, updates
-//! out of range, bodies that are too fast for what blocks them. One file per check.
+//! out of range, bodies that are too fast for what blocks them, goals that nothing reaches. One file per check.
 //!
 //! A finding holds in all worlds of the program. The worlds are analysed without the bounds that end a search, with a
 //! player for every entity that reads inputs, and without limits on the number of things to pick up, so that findings
@@ -7,6 +7,7 @@
 //! configuration space is dropped unless a caller asks for it.
 
 mod atoms;
+mod goals;
 mod guards;
 mod invariants;
 mod modes;
@@ -69,6 +70,7 @@ fn examine(
     let context = Context { program, sources, root, reported: Reported::new(reported) };
     let mut summaries = EntitySummaries::new();
     let mut tunnelling = Tunnelling::default();
+    let mut unreached = Diagnostics::new();
     // Worlds without entities of the file are skipped, so entities in them are not completely known.
     let occurs = |w: &World| w.slots.iter().any(|s| context.is_ours(s.entity));
     let others = program.worlds.iter().filter(|w| !occurs(w));
@@ -92,6 +94,7 @@ fn examine(
         }
         if is_looked_at {
             tunnelling.examine(program, world_id, &space, |id| context.is_ours(*id));
+            goals::report(&context, world_id, &space, &mut unreached);
             emit(world_id, space);
         }
     }
@@ -109,6 +112,7 @@ fn examine(
         invariants::report(&context, id, summary, &mut found);
     }
     tunnelling.report(&mut found);
+    found.append(unreached);
     found.trace(sources);
     // Findings in behaviours of other files belong to those files.
     found.retain(|d| d.primary.as_ref().is_some_and(|l| l.span.file() == root));

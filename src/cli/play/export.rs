@@ -21,6 +21,7 @@ use super::super::Exit;
 use super::super::args::PlayArgs;
 use super::super::disk::Disk;
 use super::super::pictures::image;
+use super::super::reach::counted;
 use super::super::report::{plain_error, show};
 
 /// The engine, packed by gzip.
@@ -135,8 +136,8 @@ pub(super) fn run(args: &PlayArgs, target: &Path) -> io::Result<Exit> {
         plain_error(&format!("cannot write `{}`: {error}", target.display()))?;
         return Ok(Exit::Refused);
     }
-    let files = carried.project.files.len() + carried.project.pictures.len();
-    writeln!(io::stdout(), "{}: {} kB, {files} files", target.display(), page.len().div_ceil(1000))?;
+    let files = counted((carried.project.files.len() + carried.project.pictures.len()) as u64, "file");
+    writeln!(io::stdout(), "{}: {} kB, {files}", target.display(), page.len().div_ceil(1000))?;
     Ok(Exit::Yes)
 }
 

@@ -95,6 +95,25 @@ impl Fact for Broken {
     }
 }
 
+/// A goal that holds in no state.
+pub struct GoalByValue {
+    /// Its name.
+    pub name: String,
+    /// Its name in the text.
+    pub at: Span,
+    /// The parts of its predicate that decide this, with the values that they read.
+    pub reasons: Vec<(Span, String)>,
+}
+
+impl Fact for GoalByValue {
+    fn into_diagnostic(self) -> Diagnostic {
+        let d = Diagnostic::new(Code::GoalByValue, format!("the goal `{}` is never reached", self.name));
+        let d = d.at(self.at, "proven: it holds in no state, whatever the inputs");
+        let d = self.reasons.into_iter().fold(d, |d, (at, reason)| d.and(at, reason));
+        d.help("`hypedc reach` tells how near the world comes to it, and what bars the way")
+    }
+}
+
 /// An invariant that is not proven.
 pub struct Unproven {
     /// The invariant.

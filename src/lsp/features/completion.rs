@@ -37,7 +37,39 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
         items.files(view.programs.keys().filter_map(|other| relative(&at.path, other)));
     }
     let replaces = cursor.word.start..cursor.word.end.max(at.byte);
-    Some(Completions { replaces, items: items.list.into_iter().collect() })
+    let deleted = deleted_names(view, at, code);
+    let items = items.list.into_iter().filter(|item| !deleted.contains(item.label.as_str())).collect();
+    Some(Completions { replaces, items })
+}
+
+/// The names that the last texts without errors had and that no current text has.
+fn deleted_names(view: &View, at: &FileOffset, code: &str) -> BTreeSet<String> {
+    let states = || view.programs_with(&at.path);
+    let older = states().filter(|state| !state.current.is_error_free()).filter_map(|state| state.last_good.as_deref());
+    let mut deleted = BTreeSet::new();
+    for snapshot in older {
+        let Some(file) = snapshot.file(&at.path) else { continue };
+        let declared = snapshot.ide.occurrences.iter().filter(|o| o.at.file() == file && o.at == o.declared);
+        deleted.extend(declared.map(|o| snapshot.name(o).to_string()));
+    }
+    if deleted.is_empty() {
+        return deleted;
+    }
+    let mut keep = |code: &str| {
+        let is_part = |c: char| !(c.is_alphanumeric() || c == '_');
+        for word in code.split(is_part) {
+            deleted.remove(word);
+        }
+    };
+    keep(code);
+    for snapshot in states().map(|state| &*state.current) {
+        let files: BTreeSet<_> = snapshot.ide.occurrences.iter().map(|o| o.at.file()).collect();
+        files
+            .into_iter()
+            .filter(|file| snapshot.path(*file) != at.path)
+            .for_each(|file| keep(snapshot.text(file).code()));
+    }
+    deleted
 }
 
 impl CompletionCollector<'_> {

@@ -56,6 +56,7 @@ pub(in crate::lsp) fn rename(view: &View, at: &FileOffset, new: &str) -> Result<
     }
     add_related(view, &mut keys);
     check_renamable(view, &keys)?;
+    check_unused(view, &keys, new)?;
     let found = all_occurrences(view, &keys);
     let mut spans = NameRanges::new();
     for (snapshot, o) in &found {
@@ -107,6 +108,23 @@ fn check_renamable(view: &View, keys: &BTreeSet<SymbolKey>) -> Result<(), Refusa
     Ok(())
 }
 
+/// Refuses a new name for a tag that another tag has: the two would become one.
+fn check_unused(view: &View, keys: &BTreeSet<SymbolKey>, new: &str) -> Result<(), Refusal> {
+    if !keys.iter().any(|key| key.kind == NameKind::Tag && key.name != new) {
+        return Ok(());
+    }
+    let has_tag = |snapshot: &Snapshot| {
+        let mut all = snapshot.ide.occurrences.iter().filter(|o| o.kind == NameKind::Tag);
+        snapshot.ide.checked.level_tags.contains(new) || all.any(|o| snapshot.name(o) == new)
+    };
+    let is_affected = |snapshot: &Snapshot| snapshot.occurrences_of(keys).next().is_some();
+    let mut affected = view.programs.values().map(|state| &*state.current).filter(|snapshot| is_affected(snapshot));
+    match affected.any(has_tag) {
+        true => Err(Refusal(format!("there is a tag `{new}` already: the two would be one"))),
+        false => Ok(()),
+    }
+}
+
 /// Compiles the affected programs with the new name; refuses it if there are new errors or other bindings.
 fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
     let touched = |s: &Snapshot| ranges.keys().any(|path| s.file(path).is_some());
@@ -121,7 +139,7 @@ fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
                 }
             }
             let text = Arc::new(Text::new(code));
-            let document = Document { uri: String::new(), version: 0, is_program: true, text };
+            let document = Document { uri: String::new(), version: 0, is_program: true, text, edited: None };
             open.insert(path.clone(), document);
         }
     }

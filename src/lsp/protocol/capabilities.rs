@@ -21,6 +21,7 @@ pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
             types::TextDocumentSyncOptions {
                 open_close: Some(true),
                 change: Some(types::TextDocumentSyncKind::Incremental),
+                save: Some(true.into()),
                 ..Default::default()
             }
             .into(),

@@ -114,10 +114,22 @@ pub(super) fn to_protocol_diagnostic(finding: &Diagnostic, snapshot: &Snapshot, 
         code_description: None,
         source: Some("hypedc".into()),
         message: message(finding).into(),
-        tags: is_unnecessary(finding.code).then(|| vec![DiagnosticTag::Unnecessary]),
+        tags: (is_unnecessary(finding.code) && !is_being_typed(finding, snapshot))
+            .then(|| vec![DiagnosticTag::Unnecessary]),
         related_information: (!related.is_empty()).then_some(related),
         data: None,
     }
+}
+
+/// Whether a finding is about lines of the last change of an open document.
+fn is_being_typed(finding: &Diagnostic, snapshot: &Snapshot) -> bool {
+    let Some(label) = &finding.primary else { return false };
+    let file = label.span.file();
+    let Some(edited) = snapshot.document(snapshot.path(file)).and_then(|document| document.edited.clone()) else {
+        return false;
+    };
+    let lines = positions::range(&snapshot.text(file), &label.span.range(), Encoding::Utf8);
+    lines.start.line <= *edited.end() && lines.end.line >= *edited.start()
 }
 
 /// The diagnostics of a program.

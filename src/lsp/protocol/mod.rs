@@ -14,7 +14,9 @@ mod requests;
 mod server;
 mod to_protocol;
 mod tokens;
+mod transport;
 mod uri;
 mod worker;
 
 pub use server::{Server, Settings};
+pub use transport::Transport;

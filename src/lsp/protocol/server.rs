@@ -173,6 +173,15 @@ impl Server {
         self.has_unsent_changes = true;
     }
 
+    /// Compiles the open programs again that depend on files that are not open: nobody tells when such files change.
+    fn read_again(&mut self) {
+        let View { documents, programs, .. } = &self.context.view;
+        let open = programs.values().filter(|state| documents.get(&state.current.root).is_some());
+        let files = open.flat_map(|state| state.current.dependencies.iter());
+        let unseen: Vec<PathBuf> = files.filter(|path| documents.get(path).is_none()).cloned().collect();
+        unseen.into_iter().for_each(|path| self.mark_changed(path));
+    }
+
     /// Handles a message; returns false after `exit`.
     fn message(&mut self, message: Message) -> bool {
         match message {
@@ -245,6 +254,16 @@ impl Server {
                 let (changes, encoding) = (changes(params.content_changes), self.context.client.encoding);
                 if self.context.view.documents.change(&path, document.version, &changes, encoding) {
                     self.mark_changed(path);
+                }
+            }
+            "textDocument/didSave" => {
+                let Some(params) = read::<types::DidSaveTextDocumentNotification>(params) else { return };
+                let path = path_of(&params.text_document.uri);
+                if self.context.view.documents.save(&path) {
+                    self.mark_changed(path);
+                }
+                if !self.context.client.watches_files {
+                    self.read_again();
                 }
             }
             "textDocument/didClose" => {

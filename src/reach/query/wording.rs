@@ -2,10 +2,9 @@
 
 use crate::analysis::wording::relation;
 use crate::analysis::{Interval, Values};
-use crate::ir::{Entity, Program, SlotId, World};
-use crate::source::{SourceMap, on_one_line};
+use crate::ir::{Program, World};
+use crate::source::SourceMap;
 
-use super::super::metric::Quantity;
 use super::super::outcome::{Argument, Exhaustion, Verdict};
 use super::super::proof::{Proof, TooFar};
 
@@ -61,30 +60,12 @@ fn visited(Exhaustion { states, min_hold }: Exhaustion, has_draws: bool) -> Stri
 pub fn proof_reasons(sources: &SourceMap, program: &Program, world: &World, proof: &Proof) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for part in &proof.parts {
-        let text = sources.slice(program.spans.exprs[part.predicate]);
-        let text: Vec<&str> = text.lines().filter_map(|line| line.split("//").next()).collect();
-        let text = on_one_line(&text.join(" "));
-        let reads = part.reads.iter().map(|(quantity, values)| {
-            let (slot, name) = match *quantity {
-                Quantity::Var(slot, var, degree) => (slot, entity(program, world, slot).variable_text(var, degree)),
-                Quantity::Discrete(slot, id) => (slot, entity(program, world, slot).discretes[id].name.clone()),
-                Quantity::Timer(slot, id) => (slot, id.to_string()),
-            };
-            relation(&format!("{}.{name}", world.slots[slot].name), values)
-        });
-        let reads: Vec<String> = reads.collect();
-        let always = if part.holds { "always" } else { "never" };
-        let why = if reads.is_empty() { String::new() } else { format!(": {}", reads.join(", ")) };
-        let reason = format!("`{text}` {always} holds{why}");
+        let reason = part.sentence(sources, program, world);
         if !out.contains(&reason) {
             out.push(reason);
         }
     }
     out
-}
-
-fn entity<'p>(program: &'p Program, world: &World, slot: SlotId) -> &'p Entity {
-    &program.entities[world.slots[slot].entity]
 }
 
 /// Whether a run ends when a player leaves the bounds of its space: all proofs about such a world assume it.

@@ -1,5 +1,7 @@
 //! What a search sees its first player do: rooms and modes, where it came to rest, how high and how far it jumped from
 //! there. A player rests where its height stays the same for two steps in a row; at the top of a jump it does so for one.
+//! It also rests where it moved down in a step after which it is no longer falling: something holds it. A player who jumps
+//! again at once rests in this way only.
 
 use hashbrown::HashTable;
 
@@ -178,7 +180,10 @@ impl Gauge {
             if rise > self.seen.highest.size && now.has_base {
                 self.seen.highest = Jump { size: rise, from: base(now) };
             }
-            return;
+            if y > was.1 || layout.var(state, VarId::Y, 1) < 0.0 {
+                return;
+            }
+            now.still = RESTED - 1;
         }
         if now.still < RESTED {
             now.still += 1;

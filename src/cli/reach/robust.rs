@@ -33,7 +33,7 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
         return out;
     };
     out.push_str(&format!(
-        "    hardest {}: {}; errors of it alone leave {}\n",
+        "    hardest {}: {} steps; with errors of it alone {} succeed\n",
         moment(hardest, has_rooms),
         window(hardest),
         percent(hardest.alone)
@@ -46,7 +46,7 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
     others.sort_by_key(|change| change.step);
     let rest =
         if shown < count { format!(", the hardest {shown} of them (`--verbose` shows all)") } else { String::new() };
-    out.push_str(&format!("    windows {count} of {all} changes need timing{rest}\n"));
+    out.push_str(&format!("    windows {count} of {all} changes need timing, in steps{rest}\n"));
     for change in others {
         out.push_str(&format!("            {}: {}\n", moment(change, has_rooms), window(change)));
     }
@@ -84,6 +84,5 @@ fn window(change: &ChangeRecord) -> String {
         Some(steps) => steps.to_string(),
     };
     let (early, late) = (side(change.early, change.early_is_least), side(change.late, change.late_is_least));
-    let unit = if change.late == Some(1) && !change.late_is_least { "step" } else { "steps" };
-    format!("{early} early, {late} {unit} late")
+    format!("{early} early, {late} late")
 }

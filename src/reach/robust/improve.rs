@@ -223,7 +223,8 @@ impl Improver<'_> {
         let quickest = pool.iter().min_by_key(|candidate| candidate.timeline.steps);
         guides.extend(quickest.map(|candidate| candidate.timeline.clone()).filter(|plan| !guides.contains(plan)));
         let mut plans = Vec::new();
-        let each = self.budget.saturating_sub(self.spent) * 3 / 4 / guides.len().max(1) as u64;
+        let left = self.budget.saturating_sub(self.spent) * 3 / 4;
+        let each = left.max(self.budget / 4) / guides.len().max(1) as u64;
         for (guide, seed) in guides.iter().zip(1..) {
             let meter = Meter::new(self.watch);
             let course = &self.course;

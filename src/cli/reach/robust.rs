@@ -33,7 +33,7 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
         return out;
     };
     out.push_str(&format!(
-        "    hardest {}: {} steps; with errors of it alone {} succeed\n",
+        "    hardest {}: {}; with errors of it alone {} succeed\n",
         moment(hardest, has_rooms),
         window(hardest),
         percent(hardest.alone)

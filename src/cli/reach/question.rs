@@ -137,7 +137,8 @@ fn node_limit(args: &ReachArgs) -> u64 {
 /// Minimum number of steps of a world for which an input is held.
 fn min_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
     let steps = args.min_hold.or(args.person.reaction).map_or(1, |time: Time| time.steps(world));
-    u16::try_from(steps).map_err(|_| Refusal::Plain(format!("inputs are held for at most {} steps", u16::MAX)))
+    let option = if args.person.reaction.is_some() { "--reaction" } else { "--min-hold" };
+    u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`{option}` is at most {} steps", u16::MAX)))
 }
 
 /// The timing errors that paths should withstand.

@@ -146,6 +146,22 @@ impl Prover<'_> {
                 Quantity::Timer(_, id) => all.push(at.timers[id]),
             }
         }
+        if matches!(quantity, Quantity::Discrete(..)) {
+            all = joined(all);
+        }
         Some(Values::any(all))
     }
+}
+
+/// Intervals of whole numbers, neighbours as one: 0 and \[1, 12\] are \[0, 12\].
+fn joined(mut all: Vec<Interval>) -> Vec<Interval> {
+    all.sort_by(|a, b| a.low.total_cmp(&b.low));
+    let mut out: Vec<Interval> = Vec::new();
+    for next in all {
+        match out.last_mut() {
+            Some(last) if next.low <= last.high + 1.0 => last.high = last.high.max(next.high),
+            _ => out.push(next),
+        }
+    }
+    out
 }

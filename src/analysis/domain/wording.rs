@@ -43,6 +43,7 @@ pub fn values(values: &Values) -> String {
 pub fn relation(name: &str, of: &Values) -> String {
     match values(of) {
         all if all.starts_with(['[', '{']) => format!("{name} in {all}"),
+        all if all.starts_with(|c: char| c == '-' || c.is_ascii_digit()) => format!("{name} is {all}"),
         all => format!("{name} {all}"),
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::values::GoalByValue;
+use crate::diagnostic::{Code, Diagnostics};
 use crate::ir::{Expr, ExprId, Program, WorldId};
 
 use super::super::{ConfigurationSpace, never_holds};
@@ -14,6 +14,10 @@ pub(super) fn report(context: &Context<'_>, world: WorldId, space: &Configuratio
     let (program, sources) = (context.program, context.sources);
     let of = &program.worlds[world];
     for (id, goal) in of.goals.pairs().filter(|(_, goal)| !is_written_false(program, goal.holds)) {
+        let predicate = program.spans.exprs[goal.holds];
+        if context.reported.of(&[Code::BeyondBounds], predicate, sources) {
+            continue;
+        }
         let Some(parts) = never_holds(program, world, goal.holds, space) else { continue };
         let mut told = BTreeSet::new();
         let reasons =

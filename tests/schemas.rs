@@ -145,6 +145,7 @@ fn results_are_as_their_schema_says() {
         "examples/link.hyped --goal treasure --without hero.keys>0",
         "examples/platforms.hyped --never stung --nodes 300",
         "examples/frog.hyped --nodes 40 --planner rrt --after -*10",
+        "examples/frog.hyped --goal crossed --nodes 1000 --robust sigma=1frame,trials=200",
     ];
     let all: Vec<Value> = questions.iter().map(|q| written(&format!("reach --format json {q}"))).collect();
     validate("results", &all);

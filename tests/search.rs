@@ -22,6 +22,7 @@ mod report_pages;
 mod stop;
 mod stuck;
 mod suite;
+mod timing;
 mod tune;
 mod verdicts;
 mod why;

@@ -27,7 +27,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis", "sim"]),
     ("why", &["source", "ir", "sim"]),
-    ("reach", &["source", "watch", "ir", "analysis", "sim", "why"]),
+    ("reach", &["source", "watch", "parallel", "ir", "analysis", "sim", "why"]),
     ("graph", &["source", "ir"]),
     ("view", &["ir", "sim"]),
     ("experiment", &["source", "watch", "parallel", "tabular", "ir", "analysis", "compile", "sim", "reach"]),

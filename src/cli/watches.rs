@@ -53,10 +53,15 @@ pub(super) struct CommandWatch {
 impl CommandWatch {
     /// Starts the clock.
     pub fn new(what: &str, seconds: Option<f64>) -> Self {
+        CommandWatch::counting((what, "nodes"), seconds)
+    }
+
+    /// Starts the clock for work that is counted in something else than nodes.
+    pub fn counting((what, unit): (&str, &str), seconds: Option<f64>) -> Self {
         let target =
             if io::stderr().is_terminal() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(None, target);
-        let style = ProgressStyle::with_template("{spinner} {prefix}  {pos} nodes  {msg}");
+        let style = ProgressStyle::with_template(&format!("{{spinner}} {{prefix}}  {{pos}} {unit}  {{msg}}"));
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         bar.set_prefix(what.to_string());
         CommandWatch { interrupted: interrupted(), started: Instant::now(), seconds, bar, shown: Mutex::new(None) }
@@ -99,7 +104,7 @@ impl Watch for CommandWatch {
         // The budget that ends first; an unlimited one does not count.
         let by_nodes = progress.budget.saturating_sub(progress.nodes) as f64 / speed.max(1e-3);
         let left = self.seconds.map_or(by_nodes, |limit| by_nodes.min(limit - elapsed)).max(0.0);
-        self.bar
-            .set_message(format!("{speed:.0}/s  {} places  {elapsed:.0} s, at most {left:.0} s left", progress.places));
+        let places = if progress.places > 0 { format!("{} places  ", progress.places) } else { String::new() };
+        self.bar.set_message(format!("{speed:.0}/s  {places}{elapsed:.0} s, at most {left:.0} s left"));
     }
 }

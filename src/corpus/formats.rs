@@ -7,7 +7,7 @@ use crate::tabular::{Cell, Column, Table, csv};
 use super::row::Row;
 
 /// The columns of the CSV, one line a row; the fields are those of [`Row`], and what depends on the machine comes last.
-pub const CSV_HEADER: [&str; 53] = [
+pub const CSV_HEADER: [&str; 56] = [
     "row",
     "level",
     "kind",
@@ -58,6 +58,9 @@ pub const CSV_HEADER: [&str; 53] = [
     "nearest_distance",
     "nearest_unit",
     "nearest_column",
+    "success",
+    "success_low",
+    "success_high",
     "seconds",
     "cpu_seconds",
     "analysis_seconds",
@@ -126,6 +129,9 @@ pub fn csv_line(row: &Row) -> String {
         number(missing.and_then(|part| part.distance)),
         missing.map_or(String::new(), |part| part.unit.clone()),
         number(nearest.and_then(|nearest| nearest.at.column)),
+        number(a.robust.as_ref().map(|robust| robust.success.success)),
+        number(a.robust.as_ref().map(|robust| robust.success.success_95[0])),
+        number(a.robust.as_ref().map(|robust| robust.success.success_95[1])),
         format!("{:.6}", t.seconds),
         t.cpu_seconds.map_or(String::new(), |seconds| format!("{seconds:.6}")),
         format!("{:.6}", t.analysis_seconds),
@@ -146,8 +152,12 @@ pub fn table(rows: &[&Row]) -> String {
         Column::right("", "nodes"),
         Column::right("", "places"),
         Column::right("", "seconds"),
-        Column::left("", ""),
     ]);
+    let has_success = rows.iter().any(|row| row.answer.robust.is_some());
+    if has_success {
+        columns.push(Column::right("", "success"));
+    }
+    columns.push(Column::left("", ""));
     let mut table = Table::new(columns);
     for row in rows {
         let answer = &row.answer;
@@ -164,8 +174,12 @@ pub fn table(rows: &[&Row]) -> String {
             Cell::of(searched(answer.nodes as f64), whole),
             Cell::of(searched(answer.coverage.places as f64), whole),
             Cell::of(searched(row.timing.seconds), |s| format!("{s:.3}")),
-            row.reason().into(),
         ]);
+        if has_success {
+            let success = answer.robust.as_ref().map(|robust| robust.success.success);
+            cells.push(Cell::of(success, |share| format!("{:.1} %", 100.0 * share)));
+        }
+        cells.push(row.reason().into());
         table.push(cells);
     }
     table.text()

@@ -47,6 +47,12 @@ pub struct Settings {
     pub after: Vec<String>,
     /// For how many steps an input is held at least, as it was asked for.
     pub min_hold: Option<String>,
+    /// The timing errors that paths should withstand, as they were asked for; left out if they were not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robust: Option<String>,
+    /// The reaction time of a player, as it was asked for; left out if it was not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reaction: Option<String>,
     /// The seed of what nature draws; left out if the search is free to choose it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chance: Option<u64>,
@@ -196,6 +202,8 @@ pub(super) mod tests {
             within: None,
             after: Vec::new(),
             min_hold: None,
+            robust: None,
+            reaction: None,
             chance: None,
             minimize: false,
             nodes_limit: Some(200_000),

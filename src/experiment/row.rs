@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{Finding, Run};
+use crate::reach::wilson_95;
 
 /// The middle of some numbers, in two ways.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -72,19 +73,9 @@ impl Row {
         }
     }
 
-    /// The confidence interval (95 %) of the planner's success rate: Wilson, *Probable Inference, the Law of
-    /// Succession, and Statistical Inference*, 1927.
+    /// The confidence interval (95 %) of the planner's success rate.
     pub fn success_rate_95(&self) -> Option<[f64; 2]> {
-        /// The 97.5 % quantile of the normal distribution.
-        const Z: f64 = 1.959_963_984_540_054;
-        if self.runs == 0 {
-            return None;
-        }
-        let (n, p) = (f64::from(self.runs), f64::from(self.successes) / f64::from(self.runs));
-        let square = Z * Z / n;
-        let half = Z * (p * (1.0 - p) / n + square / (4.0 * n)).sqrt();
-        let end = |sign: f64| ((p + square / 2.0 + sign * half) / (1.0 + square)).clamp(0.0, 1.0);
-        Some([end(-1.0), end(1.0)])
+        wilson_95(u64::from(self.successes), u64::from(self.runs))
     }
 }
 

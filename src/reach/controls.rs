@@ -182,6 +182,7 @@ impl ControlSets {
         let (program, world) = (problem.sim.program(), problem.sim.world());
         let mut all = vec![Input::nothing(world.players.len())];
         let mut leaves = self.key.iter();
+        let mut read = Vec::new();
         for (player, &slot) in problem.players().iter().enumerate() {
             let entity = &program.entities[world.slots[slot].entity];
             let mut reads: Inputs = entity.inputs;
@@ -192,6 +193,7 @@ impl ControlSets {
                     reads = reads.with(entity.leaves[*leaf].inputs);
                 }
             }
+            read.push((reads.buttons, u64::from(reads.axes)));
             for button in (0..64).filter(|b| reads.buttons >> b & 1 == 1) {
                 whole &= multiply(&mut all, player, &[|_, _| {}, |p: &mut PlayerInput, b| p.buttons |= 1 << b], button);
             }
@@ -199,6 +201,9 @@ impl ControlSets {
                 whole &=
                     multiply(&mut all, player, &[|_, _| {}, |p, a| p.axes[a] = -1.0, |p, a| p.axes[a] = 1.0], axis);
             }
+        }
+        if let Some(restriction) = problem.restriction() {
+            all.retain(|input| restriction.allows(input, &read));
         }
         (all, !whole)
     }

@@ -9,6 +9,7 @@ use crate::watch::{Meter, Unwatched, Watch};
 
 use super::explore::Observer;
 use super::monitor::Monitor;
+use super::restriction::Restriction;
 
 /// The target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +100,8 @@ pub struct Problem<'s> {
     within: Option<u32>,
     /// Minimum number of steps for which each input is held.
     min_hold: u16,
+    /// The inputs that a search may use; a search that may not use all proves nothing.
+    restriction: Option<Restriction>,
     /// What nature draws where a script leaves it open.
     seed: u64,
     /// Whether the search leaves it open, too.
@@ -133,6 +136,7 @@ impl<'s> Problem<'s> {
             asked: Vec::new(),
             within: None,
             min_hold: 1,
+            restriction: None,
             seed: 0,
             is_foretold: false,
             starts: Vec::new(),
@@ -229,6 +233,18 @@ impl<'s> Problem<'s> {
         self
     }
 
+    /// Admits only some inputs, to find a path among them: that there is none proves nothing.
+    #[must_use]
+    pub(super) fn restricted(mut self, restriction: Restriction) -> Self {
+        self.restriction = Some(restriction);
+        self
+    }
+
+    /// The inputs that a search may use.
+    pub(super) fn restriction(&self) -> Option<&Restriction> {
+        self.restriction.as_ref()
+    }
+
     /// Fixes what nature draws to the sequence of a seed. Otherwise a search is free to choose it.
     #[must_use]
     pub fn foretold(mut self, seed: u64) -> Self {
@@ -287,6 +303,14 @@ impl<'s> Problem<'s> {
         }
         self.starts.push(Start { after: script.len(), script, state, is_by_luck: false });
         Ok(self)
+    }
+
+    /// The same question from the end of a script alone.
+    ///
+    /// [`BadStart`] if the run ends on the way, or if the watch stops it.
+    pub(super) fn restarted(mut self, script: Script, watch: &dyn Watch) -> Result<Self, BadStart> {
+        self.starts.clear();
+        self.after_watched(script, watch)
     }
 
     /// The starts of a search; `None` if the watch stops their computation.

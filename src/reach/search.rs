@@ -249,7 +249,7 @@ impl<'a> Builder<'_, 'a> {
 
     /// The searcher of a single planner.
     fn single(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
-        let hold = hold.unwrap_or(planner.hold());
+        let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
         match planner.method() {
             Method::Sampling { samples, strategy } => {
                 let strategy = strategy(self.problem, self.measures.0, self.distances);
@@ -258,7 +258,12 @@ impl<'a> Builder<'_, 'a> {
                     Restart::After(nodes) => Some(nodes),
                     Restart::Never => None,
                 };
-                let controls = ControlSets::default().with_draws(self.problem);
+                // What is never pressed and never released takes few changes, also where no mode reads it.
+                let controls = match self.problem.restriction() {
+                    Some(_) => ControlSets::complete(),
+                    None => ControlSets::default(),
+                };
+                let controls = controls.with_draws(self.problem);
                 let context = self.context(tree, controls, hold);
                 let goal_bias = samples.then_some(self.settings.goal_bias);
                 Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
@@ -272,6 +277,18 @@ impl<'a> Builder<'_, 'a> {
         }
     }
 }
+
+/// The range of holds of a planner, steps. If inputs are held for a minimum time, it begins there, whatever the planner
+/// does otherwise: other holds than a planner's own are asked for.
+fn default_hold(planner: Planner, least: u16) -> (u16, u16) {
+    match least {
+        1 => planner.hold(),
+        least => (least, planner.hold().1.max(least.saturating_mul(MAX_HOLD))),
+    }
+}
+
+/// Maximum hold for each step of a minimum hold.
+const MAX_HOLD: u16 = 4;
 
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];

@@ -3,6 +3,7 @@
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
 pub(in crate::cli) mod page;
+pub(in crate::cli) mod robust;
 pub(in crate::cli) mod script;
 pub(in crate::cli) mod set;
 pub(in crate::cli) mod why;
@@ -16,6 +17,7 @@ use crate::reach::{Planner, Restart};
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
 pub(in crate::cli) use page::PageArgs;
+pub(in crate::cli) use robust::PersonArgs;
 pub(in crate::cli) use script::ScriptArgs;
 pub(in crate::cli) use set::SetArgs;
 pub(in crate::cli) use why::WhyArgs;
@@ -52,7 +54,7 @@ pub(in crate::cli) enum Command {
     /// Opens a page in the browser to play, scrub, change and question a world.
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
-    Reach(ReachArgs),
+    Reach(Box<ReachArgs>),
     /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.
@@ -431,6 +433,8 @@ pub(in crate::cli) struct ReachArgs {
     pub verbose: bool,
     #[command(flatten)]
     pub page: PageArgs,
+    #[command(flatten)]
+    pub person: PersonArgs,
     #[command(flatten)]
     pub corpus: CorpusArgs,
 }

@@ -8,6 +8,7 @@ mod page;
 pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
 mod result;
+mod robust;
 mod sweep;
 mod text;
 mod why_not;
@@ -139,7 +140,8 @@ fn answer_all(
         if args.format == ResultFormat::Human {
             let (query, has_rooms) = (session.query(), program.worlds[world].spaces.len() > 1);
             let seconds = searched.seconds;
-            let shown = Shown { query, saved: &saved, seconds, has_rooms, detail, is_verbose: args.verbose };
+            let step = program.worlds[world].step.seconds();
+            let shown = Shown { query, saved: &saved, seconds, step, has_rooms, detail, is_verbose: args.verbose };
             write!(io::stdout(), "{}", answer_text(&answer, &shown))?;
         }
         if !answer.is_expected {
@@ -213,6 +215,11 @@ impl Supervisor for Phases<'_> {
                 let searched = self.searched.iter().find(|searched| searched.target == target);
                 CommandWatch::new(target.name(self.world), searched.and_then(|searched| searched.left))
             }
+            Phase::MakeRobust(target) => {
+                CommandWatch::counting((target.name(self.world), "nodes for an easier way"), self.args.seconds)
+            }
+            // A measurement takes what it takes.
+            Phase::MeasureRobust(target) => CommandWatch::counting((target.name(self.world), "plays"), None),
             // Paths are short: replaying them takes no budget.
             Phase::Exchange => {
                 work(&Interrupt::new());
@@ -264,7 +271,15 @@ pub fn answer_by_analysis_of(
     };
     let answer = session.answer(&mut first, &loaded.sources);
     let (query, saved) = (session.query(), Saved::default());
-    let shown = Shown { query, saved: &saved, seconds: 0.0, has_rooms: false, detail: Detail::Full, is_verbose: false };
+    let shown = Shown {
+        query,
+        saved: &saved,
+        seconds: 0.0,
+        step: 0.0,
+        has_rooms: false,
+        detail: Detail::Full,
+        is_verbose: false,
+    };
     let text = answer_text(&answer, &shown);
     Ok(Some((exit == Exit::Yes, answer.verdict, text)))
 }

@@ -25,8 +25,9 @@ pub(super) fn way(
     let printed = Answer { inputs: None, ..answer.clone() };
     let has_rooms = session.simulator().world().spaces.len() > 1;
     let (query, saved) = (session.query(), &Saved::default());
-    let text =
-        answer_text(&printed, &Shown { query, saved, seconds, has_rooms, detail: Detail::Full, is_verbose: false });
+    let step = session.simulator().world().step.seconds();
+    let shown = Shown { query, saved, seconds, step, has_rooms, detail: Detail::Full, is_verbose: false };
+    let text = answer_text(&printed, &shown);
     let mut lines = text.lines().map(|line| line.trim().to_string());
     let first = lines.next().unwrap_or_default();
     let verdict = first.split_once(": ").map_or(first.as_str(), |(_, verdict)| verdict).to_string();

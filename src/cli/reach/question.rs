@@ -6,7 +6,7 @@ use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::ir::{NeverId, World, WorldId};
-use crate::reach::query::{Kind, Query, QueryError};
+use crate::reach::query::{Kind, Query, QueryError, TimingErrors};
 use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
 use crate::sim::{Script, parse_script};
 
@@ -63,6 +63,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
     // The compiler appends it.
     let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
     let (targets, min_hold) = (targets(table, args, without)?, min_hold(args, table)?);
+    let errors = errors(args, table)?;
     let (settings, within) = (settings(args, table, min_hold)?, args.within.map(|time| time.room(table)));
     Ok(Query {
         settings,
@@ -74,6 +75,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         after: read_scripts(loaded, world, &args.after)?,
         minimizes: args.minimize,
         chance: args.chance,
+        errors,
         ..Query::new(targets)
     })
 }
@@ -117,6 +119,8 @@ pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -
         within: args.within.map(|time| time.to_string()),
         after: args.after.clone(),
         min_hold: args.min_hold.map(|time| time.to_string()),
+        robust: args.person.robust.as_ref().map(|robust| robust.text.clone()),
+        reaction: args.person.reaction.map(|time| time.to_string()),
         minimize: args.minimize,
         chance: args.chance,
         nodes_limit: args.nodes.or(args.seconds.is_none().then(|| node_limit(args))),
@@ -132,8 +136,17 @@ fn node_limit(args: &ReachArgs) -> u64 {
 
 /// Minimum number of steps of a world for which an input is held.
 fn min_hold(args: &ReachArgs, world: &World) -> Result<u16, Refusal> {
-    let steps = args.min_hold.map_or(1, |time: Time| time.steps(world));
-    u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))
+    let steps = args.min_hold.or(args.person.reaction).map_or(1, |time: Time| time.steps(world));
+    let option = if args.person.reaction.is_some() { "--reaction" } else { "--min-hold" };
+    u16::try_from(steps).map_err(|_| Refusal::Plain(format!("`{option}` is at most {} steps", u16::MAX)))
+}
+
+/// The timing errors that paths should withstand.
+fn errors(args: &ReachArgs, world: &World) -> Result<Option<TimingErrors>, Refusal> {
+    match args.person.refusal(world) {
+        Some(why) => Err(Refusal::Plain(why)),
+        None => Ok(args.person.errors(world)),
+    }
 }
 
 /// The search settings.

@@ -99,11 +99,13 @@ impl RunResult {
         };
         let hold = settings.min_hold.as_ref();
         let hold = hold.map_or(String::new(), |time| format!(", inputs held for at least {time}"));
+        let reaction = settings.reaction.as_ref().map_or(String::new(), |time| format!(", reaction {time}"));
+        let robust = settings.robust.as_ref().map_or(String::new(), |errors| format!(", timing errors {errors}"));
         let chance = settings.chance.map_or(String::new(), |seed| format!(", chance seed={seed}"));
         let given_up = self.given_up.iter().map(|why| format!("  everything is possible for {why}\n"));
         let given_up: String = given_up.collect();
         format!(
-            "{}, world {}, seed {}{set}{naive}{metric}{without}{within}{hold}{chance}{after}\n{given_up}",
+            "{}, world {}, seed {}{set}{naive}{metric}{without}{within}{hold}{reaction}{robust}{chance}{after}\n{given_up}",
             self.file, self.world, settings.seed
         )
     }

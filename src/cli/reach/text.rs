@@ -8,6 +8,7 @@ use crate::reach::why_not::WhyNot;
 use crate::reach::{End, Luck};
 
 use super::files::Saved;
+use super::robust::robust_text;
 use super::why_not::why_not_text;
 use crate::cli::args::ReachArgs;
 
@@ -163,6 +164,8 @@ pub(super) struct Shown<'s> {
     pub saved: &'s Saved,
     /// The duration of the search, s.
     pub seconds: f64,
+    /// The duration of a step, s.
+    pub step: f64,
     /// Whether the world has several spaces.
     pub has_rooms: bool,
     pub detail: Detail,
@@ -172,7 +175,7 @@ pub(super) struct Shown<'s> {
 
 /// An answer as text.
 pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
-    let Shown { query, saved, seconds, has_rooms, detail, is_verbose } = *shown;
+    let Shown { query, saved, seconds, step, has_rooms, detail, is_verbose } = *shown;
     let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query, has_rooms));
     if detail == Detail::Quiet {
         return out;
@@ -190,6 +193,13 @@ pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
         out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));
     }
     out.push_str(&why_not_text(answer, query, detail, is_verbose, has_rooms));
+    match &answer.robust {
+        Some(robust) => out.push_str(&robust_text(robust, step, has_rooms, is_verbose)),
+        None if query.errors.is_some() && answer.inputs.is_some() => {
+            out.push_str("    success not measured: it was stopped before\n");
+        }
+        None => {}
+    }
     if let Some(path) = &saved.inputs {
         out.push_str(&format!("    saved   {}\n", path.display()));
     }

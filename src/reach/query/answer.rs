@@ -13,6 +13,7 @@ use super::super::outcome::{Argument, Cut, End, Outcome, Verdict};
 use super::super::probability::Luck;
 use super::super::problem::Target;
 use super::super::why_not::WhyNot;
+use super::robust::RobustRecord;
 use super::wording::{is_bounded, reasons};
 
 /// What kind of thing is asked for.
@@ -237,6 +238,9 @@ pub struct Answer {
     /// asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub why_not: Option<WhyNot>,
+    /// How robust the path is under timing errors, if that was asked; left out if not, and if there is no path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robust: Option<RobustRecord>,
 }
 
 impl Answer {
@@ -275,6 +279,7 @@ impl Answer {
             draws_left_out: false,
             luck: None,
             why_not: None,
+            robust: None,
         }
     }
 

@@ -3,9 +3,11 @@
 //! over many levels and editors only format that record.
 
 mod answer;
+mod robust;
 mod session;
 mod wording;
 
 pub use answer::{Answer, Counterexample, CoverageSummary, ExhaustedHold, Kind, ProofMethod, SearchWindow};
+pub use robust::{ChangeRecord, FirstPath, FoundRobust, RobustRecord, SuccessRecord, TimingErrors};
 pub use session::{Found, Phase, Query, QueryError, Session, Supervisor, replay};
 pub use wording::{is_bounded, proof_reasons};

@@ -20,10 +20,12 @@ use super::super::planners::Planner;
 use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
+use super::super::robust::{Improved, Jitter, estimate_success, improve_robustness, measure_robustness};
 use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::super::why_not::{WhyNot, explain};
 use super::answer::{Answer, Counterexample};
+use super::robust::{FoundRobust, RobustRecord, TimingErrors};
 
 /// Number of nodes of the search that looks for what comes nearest to a goal that is proven unreachable.
 const SAMPLE_NODES: u64 = 2_000;
@@ -51,6 +53,8 @@ pub struct Query {
     pub minimizes: bool,
     /// The seed of what nature draws; `None`: a search is free to choose it.
     pub chance: Option<u64>,
+    /// Timing errors that paths to goals should withstand; counterexamples are for no person.
+    pub errors: Option<TimingErrors>,
 }
 
 impl Query {
@@ -118,6 +122,7 @@ impl Query {
             after: Vec::new(),
             minimizes: false,
             chance: None,
+            errors: None,
         }
     }
 }
@@ -147,6 +152,10 @@ pub enum Phase {
     Exchange,
     /// Makes a path faster and simpler.
     Minimize(Target),
+    /// Searches for a path that withstands timing errors.
+    MakeRobust(Target),
+    /// Measures how well it does.
+    MeasureRobust(Target),
 }
 
 /// Provides a watch for each phase of a session, and may measure its time.
@@ -178,6 +187,8 @@ pub struct Found<'s> {
     pub target: Target,
     /// The outcome of the search.
     pub outcome: Outcome,
+    /// How robust the path is, if that was asked and there is a path; `None` if it was stopped before.
+    pub robust: Option<FoundRobust>,
     /// `None` if the search was stopped before it started.
     problem: Option<Problem<'s>>,
 }
@@ -241,18 +252,28 @@ impl Session {
         let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
             self.exchange(&mut all, watch);
         });
-        if !self.query.minimizes {
-            return Ok(all);
-        }
-        for found in &mut all {
-            let _ = supervisor.supervise(Phase::Minimize(found.target), &mut |watch| self.minimize(found, watch));
-        }
-        let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
-            // Each round shortens a path.
-            while self.exchange(&mut all, watch) {
-                all.iter_mut().for_each(|found| self.shorten(found, watch));
+        if self.query.minimizes {
+            for found in &mut all {
+                let _ = supervisor.supervise(Phase::Minimize(found.target), &mut |watch| self.minimize(found, watch));
             }
-        });
+            let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
+                // Each round shortens a path.
+                while self.exchange(&mut all, watch) {
+                    all.iter_mut().for_each(|found| self.shorten(found, watch));
+                }
+            });
+        }
+        if let Some(errors) = self.query.errors {
+            for found in all.iter_mut().filter(|found| matches!(found.target, Target::Goal(_))) {
+                let (target, mut improved) = (found.target, None);
+                let _ = supervisor.supervise(Phase::MakeRobust(target), &mut |watch| {
+                    improved = self.improve(found, errors, watch);
+                });
+                let _ = supervisor.supervise(Phase::MeasureRobust(target), &mut |watch| {
+                    self.measure(found, errors, improved.take(), watch);
+                });
+            }
+        }
         Ok(all)
     }
 
@@ -263,6 +284,10 @@ impl Session {
         let mut found = self.search(target, watch)?;
         if self.query.minimizes {
             self.minimize(&mut found, watch);
+        }
+        if let Some(errors) = self.query.errors.filter(|_| matches!(target, Target::Goal(_))) {
+            let improved = self.improve(&found, errors, watch);
+            self.measure(&mut found, errors, improved, watch);
         }
         Ok(found)
     }
@@ -306,7 +331,16 @@ impl Session {
         let spaces = found.problem.as_ref().zip(found.plan()).map(|(p, plan)| self.spaces_after(p, &plan.script));
         let spaces = spaces.unwrap_or_default();
         let why_not = self.why_not(found, sources);
-        Answer { violations, luck, spaces, why_not, ..Answer::new(&self.sim, sources, found.target, &found.outcome) }
+        let errors = self.query.errors.zip(found.robust.as_ref());
+        let robust = errors.map(|(errors, robust)| RobustRecord::new(&self.sim, errors, robust));
+        Answer {
+            violations,
+            luck,
+            spaces,
+            why_not,
+            robust,
+            ..Answer::new(&self.sim, sources, found.target, &found.outcome)
+        }
     }
 
     /// What came nearest to a target that was not reached, if the search kept it.
@@ -346,7 +380,7 @@ impl Session {
     fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
         let Query { settings, limits, .. } = &self.query;
         let Some(problem) = self.problem(target, watch)? else {
-            return Ok(Found { target, problem: None, outcome: Outcome::stopped(settings.planner) });
+            return Ok(Found { target, problem: None, robust: None, outcome: Outcome::stopped(settings.planner) });
         };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
         if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {
@@ -361,7 +395,35 @@ impl Session {
                 outcome.nearest = Some(nearest.sampled(sample.statistics.nodes));
             }
         }
-        Ok(Found { target, problem: Some(problem), outcome })
+        Ok(Found { target, problem: Some(problem), robust: None, outcome })
+    }
+
+    /// A path that withstands timing errors better, if there is one to begin with.
+    fn improve(&self, found: &Found<'_>, errors: TimingErrors, watch: &dyn Watch) -> Option<Improved> {
+        let (problem, plan) = found.problem.as_ref().zip(found.plan())?;
+        let search = (&self.query.settings, &self.query.limits);
+        Some(improve_robustness(problem, &self.space, search, plan, &Jitter::new(errors.sigma), watch))
+    }
+
+    /// Takes a better path, and measures how robust it is.
+    fn measure(&self, found: &mut Found<'_>, errors: TimingErrors, improved: Option<Improved>, watch: &dyn Watch) {
+        let (Some(problem), Some(first)) = (&found.problem, found.plan().cloned()) else { return };
+        let Improved { plan, compared } = improved.unwrap_or(Improved { plan: first.clone(), compared: 1 });
+        let replayed = plan_from_script(problem, &plan.script, plan.after, watch);
+        // What is shown was replayed.
+        if replayed.is_none_or(|replayed| replayed.steps != plan.steps) {
+            return;
+        }
+        let (jitter, settings) = (Jitter::new(errors.sigma), &self.query.settings);
+        let how = (settings.seed, errors.trials, settings.threads);
+        let Some(robustness) = measure_robustness(problem, &plan, &jitter, how, watch) else { return };
+        let is_other = plan.script != first.script;
+        let success = is_other.then(|| estimate_success(problem, &first, &jitter, how, watch)).flatten();
+        let first = success.map(|success| (first, success));
+        if is_other {
+            found.outcome.verdict = Verdict::Reached(plan);
+        }
+        found.robust = Some(FoundRobust { first, compared, robustness });
     }
 
     /// Makes a path faster and simpler.

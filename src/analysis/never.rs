@@ -153,13 +153,13 @@ impl Prover<'_> {
     }
 }
 
-/// Intervals of whole numbers, neighbours as one: 0 and \[1, 12\] are \[0, 12\].
+/// Intervals of whole numbers, neighbours as one: 0 and \[1, 12\] are \[0, 12\]. Single numbers stay apart: {0, 1}.
 fn joined(mut all: Vec<Interval>) -> Vec<Interval> {
     all.sort_by(|a, b| a.low.total_cmp(&b.low));
     let mut out: Vec<Interval> = Vec::new();
     for next in all {
         match out.last_mut() {
-            Some(last) if next.low <= last.high + 1.0 => last.high = last.high.max(next.high),
+            Some(last) if next.low <= last.high + 1.0 && !(last.is_point() && next.is_point()) => last.high = last.high.max(next.high),
             _ => out.push(next),
         }
     }

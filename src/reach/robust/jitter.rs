@@ -81,7 +81,8 @@ mod tests {
             }
             for (count, error) in count.into_iter().zip([0, 1, -2]) {
                 let (p, share) = (jitter.probability(error), f64::from(count) / 1e5);
-                assert!((share - p).abs() < 5.0 * (p / 1e5).sqrt() + 1e-9, "{sigma}, {error}: {share}, not {p}");
+                // What is hardly ever expected may happen once or twice.
+                assert!((share - p).abs() < 5.0 * (p / 1e5).sqrt() + 2.5e-5, "{sigma}, {error}: {share}, not {p}");
             }
         }
         // Of an error of one standard deviation: the normal distribution from -0.5 to 0.5.

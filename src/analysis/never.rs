@@ -159,7 +159,9 @@ fn joined(mut all: Vec<Interval>) -> Vec<Interval> {
     let mut out: Vec<Interval> = Vec::new();
     for next in all {
         match out.last_mut() {
-            Some(last) if next.low <= last.high + 1.0 && !(last.is_point() && next.is_point()) => last.high = last.high.max(next.high),
+            Some(last) if next.low <= last.high + 1.0 && !(last.is_point() && next.is_point()) => {
+                last.high = last.high.max(next.high)
+            }
             _ => out.push(next),
         }
     }

@@ -330,7 +330,7 @@ fn success_is_what_other_code_with_other_numbers_finds() {
 fn robust_answer(text: &str, sigma: f64, threads: usize) -> (Answer, String) {
     let program = program(compile_text(text));
     let mut query = Query::new(vec![Target::Goal(GOAL)]);
-    query.errors = Some(TimingErrors { sigma, trials: 2_000 });
+    query.errors = Some(TimingErrors::new(sigma, 2_000));
     query.limits = Limits { nodes: 4_000, ..query.limits };
     query.settings.threads = threads;
     let session = Session::new(&program, WORLD, query, &Unwatched);

@@ -41,7 +41,7 @@ impl PersonArgs {
             (None, Some(Time::Seconds(time))) => Some((time * PRECISION / world.step.seconds(), TRIALS)),
             (None, None) => None,
         };
-        asked.map(|(sigma, trials)| TimingErrors { sigma, trials })
+        asked.map(|(sigma, trials)| TimingErrors::new(sigma, trials))
     }
 
     /// Why the errors cannot be used in a world.

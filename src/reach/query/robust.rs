@@ -2,18 +2,50 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::analysis::ConfigurationSpace;
 use crate::sim::{Control, Input, Script, ScriptStep, Simulator};
+use crate::watch::Watch;
 
 use super::super::outcome::Plan;
-use super::super::robust::{Estimate, Jitter, Robustness, SLACK, Side, Window};
+use super::super::problem::Problem;
+use super::super::robust::{
+    Estimate, Improved, Jitter, Robustness, SLACK, Side, Window, estimate_success, improve_robustness,
+    measure_robustness,
+};
+use super::super::search::{Limits, Settings};
 
 /// Timing errors that a path must withstand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct TimingErrors {
     /// The standard deviation, steps.
     pub sigma: f64,
     /// Number of plays.
     pub trials: u64,
+    pub(super) methods: Methods,
+}
+
+/// Measures a path: its seed, number of plays and number of threads.
+type Measure<T> = fn(&Problem<'_>, &Plan, &Jitter, (u64, u64, usize), &dyn Watch) -> Option<T>;
+
+/// Searches for a better path.
+type Improve = fn(&Problem<'_>, &ConfigurationSpace, (&Settings, &Limits), &Plan, &Jitter, &dyn Watch) -> Improved;
+
+/// What answers the question. It is a part of the question, so that a program which never asks it does not contain it:
+/// the engine for browsers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Methods {
+    pub improve: Improve,
+    pub robustness: Measure<Robustness>,
+    pub success: Measure<Estimate>,
+}
+
+impl TimingErrors {
+    /// Errors of a standard deviation, in steps, and the number of plays.
+    pub fn new(sigma: f64, trials: u64) -> Self {
+        let methods =
+            Methods { improve: improve_robustness, robustness: measure_robustness, success: estimate_success };
+        TimingErrors { sigma, trials, methods }
+    }
 }
 
 /// What a search for a robust path has found.

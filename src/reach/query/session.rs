@@ -20,7 +20,7 @@ use super::super::planners::Planner;
 use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
-use super::super::robust::{Improved, Jitter, estimate_success, improve_robustness, measure_robustness};
+use super::super::robust::{Improved, Jitter};
 use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
 use super::super::why_not::{WhyNot, explain};
@@ -402,7 +402,7 @@ impl Session {
     fn improve(&self, found: &Found<'_>, errors: TimingErrors, watch: &dyn Watch) -> Option<Improved> {
         let (problem, plan) = found.problem.as_ref().zip(found.plan())?;
         let search = (&self.query.settings, &self.query.limits);
-        Some(improve_robustness(problem, &self.space, search, plan, &Jitter::new(errors.sigma), watch))
+        Some((errors.methods.improve)(problem, &self.space, search, plan, &Jitter::new(errors.sigma), watch))
     }
 
     /// Takes a better path, and measures how robust it is.
@@ -416,9 +416,9 @@ impl Session {
         }
         let (jitter, settings) = (Jitter::new(errors.sigma), &self.query.settings);
         let how = (settings.seed, errors.trials, settings.threads);
-        let Some(robustness) = measure_robustness(problem, &plan, &jitter, how, watch) else { return };
+        let Some(robustness) = (errors.methods.robustness)(problem, &plan, &jitter, how, watch) else { return };
         let is_other = plan.script != first.script;
-        let success = is_other.then(|| estimate_success(problem, &first, &jitter, how, watch)).flatten();
+        let success = is_other.then(|| (errors.methods.success)(problem, &first, &jitter, how, watch)).flatten();
         let first = success.map(|success| (first, success));
         if is_other {
             found.outcome.verdict = Verdict::Reached(plan);

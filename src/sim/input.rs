@@ -58,6 +58,14 @@ impl Simulator {
 }
 
 impl Input {
+    /// An axis, from -1 to 1, or a button: 1 if it is pressed, else 0.
+    pub fn get(&self, control: Control) -> f64 {
+        match control {
+            Control::Button(player, button) => f64::from(u8::from(self.of(player).buttons >> button.index() & 1 == 1)),
+            Control::Axis(player, axis) => self.of(player).axes[axis.index()],
+        }
+    }
+
     /// Sets an axis, from -1 to 1, or a button, which is pressed unless the value is 0.
     pub fn set(&mut self, control: Control, value: f64) {
         let (Control::Button(player, _) | Control::Axis(player, _)) = control;

@@ -26,7 +26,7 @@ use super::Course;
 use super::guide::{Guide, Mark};
 use super::jitter::Jitter;
 use super::play::{Ending, Nature, Plays};
-use super::timeline::{Change, Timeline, differences, value_of};
+use super::timeline::{Change, Timeline, differences};
 
 /// Number of players, beside one without errors.
 const CROWD: usize = 48;
@@ -243,7 +243,7 @@ impl Crowd<'_> {
             _ => {
                 let control = controls[rng.random_range(0..controls.len())];
                 let at = free + [0, rng.random_range(0..8), rng.random_range(0..30)][rng.random_range(0..3)];
-                let old = value_of(&now, control);
+                let old = now.get(control);
                 let new = match control {
                     Control::Button(..) => 1.0 - old,
                     Control::Axis(..) => match rng.random_range(0..2) {

@@ -173,7 +173,7 @@ impl Improver<'_> {
         if pool.len() == 1 && pool.first().is_some_and(|only| only.timeline.changes.is_empty()) {
             return None;
         }
-        pool.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
+        pool.sort_by_key(Candidate::rank);
         self.note(pool.first());
         self.gather(&mut pool, first)?;
         self.note(pool.first());
@@ -181,8 +181,7 @@ impl Improver<'_> {
         // With true errors, if so many succeed that edits can be told apart.
         self.is_easy = pool.first().is_some_and(|best| best.share() > EASY);
         let plans = pool.into_iter().map(|candidate| candidate.timeline).collect();
-        let pool: Vec<_> = self.compare(plans, (self.seed, PLAYS.0), None)?.into_iter().flatten().collect();
-        let mut pool = pool;
+        let mut pool: Vec<Candidate> = self.compare(plans, (self.seed, PLAYS.0), None)?.into_iter().flatten().collect();
         let share = self.budget.saturating_sub(self.spent) / 8;
         for candidate in &mut pool {
             let until = self.spent + share;
@@ -253,7 +252,7 @@ impl Improver<'_> {
         let mut tried: Vec<Candidate> =
             self.compare(plans, (seed, 3 * FIRST_PLAYS), None)?.into_iter().flatten().collect();
         if !tried.is_empty() {
-            tried.sort_by_key(|c| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps));
+            tried.sort_by_key(Candidate::rank);
             *pool = tried;
         }
         self.is_easy = false;
@@ -312,10 +311,9 @@ impl Improver<'_> {
                 timelines.push(timeline);
             }
         }
-        let rank = |c: &Candidate| (usize::MAX - c.wins.count, c.timeline.changes.len(), c.timeline.steps);
         let mut tried: Vec<Candidate> =
             self.compare(timelines, (self.seed, FIRST_PLAYS), None)?.into_iter().flatten().collect();
-        tried.sort_by_key(rank);
+        tried.sort_by_key(Candidate::rank);
         tried.truncate(FINALISTS);
         let finalists = tried.into_iter().map(|candidate| candidate.timeline).collect();
         Some(self.compare(finalists, (self.seed, PLAYS.0), None)?.into_iter().flatten().collect())
@@ -421,15 +419,11 @@ impl Improver<'_> {
         let mut idle = 0;
         while idle < PATIENCE && self.spent < until.min(self.budget) && best.share() < ENOUGH {
             self.round += 1;
-            let edits = self.edits(best, (seed, plays))?;
+            let edits = self.edits(best, seed)?;
             let tried = self.compare(edits, (seed, plays), Some(&best.wins))?;
-            let better = |new: &Candidate, old: &Candidate| {
-                let simple = |c: &Candidate| (c.timeline.changes.len(), c.timeline.steps);
-                new.wins.count > old.wins.count || new.wins.count == old.wins.count && simple(new) < simple(old)
-            };
             let old = best.wins.count;
             for candidate in tried.into_iter().flatten() {
-                if better(&candidate, best) {
+                if candidate.rank() < best.rank() {
                     *best = candidate;
                 }
             }
@@ -440,57 +434,44 @@ impl Improver<'_> {
     }
 
     /// Edits of a plan; `None` if the watch stops it.
-    fn edits(&mut self, best: &Candidate, (seed, _): (u64, u64)) -> Option<Vec<Timeline>> {
+    fn edits(&mut self, best: &Candidate, seed: u64) -> Option<Vec<Timeline>> {
         let mut rng = Pcg64::seed_from_u64(mix(self.seed, self.round));
         let changes = &best.timeline.changes;
         if changes.is_empty() {
             return Some(vec![best.timeline.clone()]);
         }
         let causes = self.causes(best, seed);
-        let mut all = Vec::with_capacity(EDITS);
-        let mut starts = Vec::new();
-        for slot in 0..EDITS {
-            if slot == 0 {
-                let gain = [1.0, 0.5, 2.0][rng.random_range(0..3)];
-                all.push(follow(&best.timeline, &causes, gain));
-                continue;
-            }
+        let gain = [1.0, 0.5, 2.0][rng.random_range(0..3)];
+        let mut all = vec![follow(&best.timeline, &causes, gain)];
+        for _ in 2..EDITS {
             let at = pick(&causes, &mut rng);
-            if slot == EDITS - 1 {
-                // The rest of the plan once more, from a little before.
-                let back = rng.random_range(0..=6.min(at));
-                starts.push((changes[at - back].step, mix(self.seed, self.round)));
-                continue;
-            }
             all.push(edit(&best.timeline, at, &mut rng));
         }
-        let jobs: Vec<Option<(Timeline, u64)>> = self.searched_again(&best.timeline, &starts)?;
-        for (timeline, steps) in jobs.into_iter().flatten() {
+        // The rest of the plan once more, from a little before.
+        let at = pick(&causes, &mut rng);
+        let back = rng.random_range(0..=6.min(at));
+        let again = self.searched_again(&best.timeline, changes[at - back].step);
+        if let Some((timeline, steps)) = again {
             self.spent += steps;
             all.push(timeline);
         }
-        Some(all)
+        (!self.watch.stop()).then_some(all)
     }
 
-    /// Plans that begin as a plan does up to a step, and go on differently.
-    fn searched_again(&self, plan: &Timeline, starts: &[(u64, u64)]) -> Option<Vec<Option<(Timeline, u64)>>> {
+    /// A plan that begins as a plan does up to a step, and goes on differently; and the simulated steps.
+    fn searched_again(&self, plan: &Timeline, step: u64) -> Option<(Timeline, u64)> {
         let (problem, limits) = (self.course.problem, self.limits);
         let limits = Limits { nodes: (limits.nodes / 64).clamp(1, NODES.1), ..*limits };
-        let again = |&(step, seed): &(u64, u64)| {
-            let script = plan.script().first(step);
-            let left = problem.time().map(|most| most.saturating_sub((step - plan.after) as u32));
-            let mut rest = problem.clone().restarted(script, self.watch).ok()?;
-            if let Some(left) = left {
-                rest = rest.within(left);
-            }
-            let settings = Settings { seed, ..quiet(self.settings) };
-            let outcome = search(&rest, self.space, &settings, &limits, self.watch).ok()?;
-            let steps = outcome.statistics.steps;
-            let whole = Plan { after: plan.after, ..found(outcome.verdict)? };
-            Some((Timeline::new(problem.sim.world(), &whole), steps))
-        };
-        let all = starts.iter().map(again).collect();
-        (!self.watch.stop()).then_some(all)
+        let left = problem.time().map(|most| most.saturating_sub((step - plan.after) as u32));
+        let mut rest = problem.clone().restarted(plan.script().first(step), self.watch).ok()?;
+        if let Some(left) = left {
+            rest = rest.within(left);
+        }
+        let settings = Settings { seed: mix(self.seed, self.round), ..quiet(self.settings) };
+        let outcome = search(&rest, self.space, &settings, &limits, self.watch).ok()?;
+        let steps = outcome.statistics.steps;
+        let whole = Plan { after: plan.after, ..found(outcome.verdict)? };
+        Some((Timeline::new(problem.sim.world(), &whole), steps))
     }
 
     /// For each change how much it has to do with failures, and by how many steps plays that succeed are late, on average.
@@ -518,6 +499,11 @@ impl Improver<'_> {
 }
 
 impl Candidate {
+    /// The less, the better: most plays that succeed, then the fewest changes, then the fewest steps.
+    fn rank(&self) -> (usize, usize, u64) {
+        (usize::MAX - self.wins.count, self.timeline.changes.len(), self.timeline.steps)
+    }
+
     fn share(&self) -> f64 {
         self.wins.count as f64 / self.wins.of.len().max(1) as f64
     }

@@ -99,8 +99,8 @@ pub fn measure_robustness(
     let course = Course::new(problem, plan, watch)?;
     let timeline = Timeline::new(problem.sim.world(), plan);
     let windows = windows::windows(&course, &timeline, jitter, watch)?;
-    let success = estimate(&course, &timeline, jitter, (mix(seed, REPORTED), trials, threads), watch);
-    (success.trials > 0).then_some(Robustness { success, windows })
+    let success = estimate(&course, &timeline, jitter, (seed, trials, threads), watch)?;
+    Some(Robustness { success, windows })
 }
 
 /// The share of plays of a plan that succeed.
@@ -112,20 +112,19 @@ pub fn estimate_success(
     watch: &dyn Watch,
 ) -> Option<Estimate> {
     let course = Course::new(problem, plan, watch)?;
-    let timeline = Timeline::new(problem.sim.world(), plan);
-    let success = estimate(&course, &timeline, jitter, (mix(seed, REPORTED), trials, threads), watch);
-    (success.trials > 0).then_some(success)
+    estimate(&course, &Timeline::new(problem.sim.world(), plan), jitter, (seed, trials, threads), watch)
 }
 
 /// Plays a plan with errors. Play number `n` depends on the seed and on `n` alone, so that the result does not depend on
-/// the number of threads.
+/// the number of threads. `None` if it was stopped before the first plays.
 fn estimate(
     course: &Course<'_>,
     timeline: &Timeline,
     jitter: &Jitter,
     (seed, trials, threads): (u64, u64, usize),
     watch: &dyn Watch,
-) -> Estimate {
+) -> Option<Estimate> {
+    let seed = mix(seed, REPORTED);
     let batches = trials.div_ceil(BATCH) as usize;
     let until = course.until(timeline);
     let mut done: Vec<Option<u64>> = vec![None; batches];
@@ -147,7 +146,7 @@ fn estimate(
         }
         context.submit(Some(successes));
     };
-    let (mut count, mut played) = (0, 0);
+    let mut played = 0;
     parallel::work(batches, threads, &stop, &task, &mut |batch, successes| {
         done[batch] = successes;
         played += BATCH;
@@ -156,8 +155,8 @@ fn estimate(
     });
     // If it was stopped: the first batches, whichever were quick.
     let whole: Vec<u64> = done.into_iter().map_while(|successes| successes).collect();
-    count += (whole.len() as u64 * BATCH).min(trials);
-    Estimate { trials: count, successes: whole.iter().sum() }
+    let trials = (whole.len() as u64 * BATCH).min(trials);
+    (trials > 0).then(|| Estimate { trials, successes: whole.iter().sum() })
 }
 
 /// What all plays of plans for one problem share.

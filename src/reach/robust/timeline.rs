@@ -1,7 +1,7 @@
 //! A plan as changes: presses and releases of buttons and moves of axes, each at its time. Each change can be made too
 //! early or too late.
 
-use crate::ir::{AxisId, ButtonId, Id, PlayerId, World};
+use crate::ir::{AxisId, ButtonId, PlayerId, World};
 use crate::sim::{Control, Draws, Input, PlayerInput, Script};
 
 use super::super::outcome::Plan;
@@ -86,7 +86,7 @@ impl Timeline {
                 kept.remove(at);
                 now.set(change.control, value_before(&self.held, &kept, change.control));
             }
-            if value_of(&now, change.control) != change.value {
+            if now.get(change.control) != change.value {
                 now.set(change.control, change.value);
                 kept.push(change);
             }
@@ -134,7 +134,7 @@ impl Timeline {
     pub fn value_before(&self, change: usize) -> f64 {
         match self.before[change] {
             Some(before) => self.changes[before].value,
-            None => value_of(&self.held, self.changes[change].control),
+            None => self.held.get(self.changes[change].control),
         }
     }
 
@@ -143,7 +143,7 @@ impl Timeline {
         let mut last: Vec<Change> = Vec::new();
         for change in &self.changes {
             if !last.iter().any(|known| known.control == change.control) {
-                last.push(Change { value: value_of(&self.held, change.control), ..*change });
+                last.push(Change { value: self.held.get(change.control), ..*change });
             }
         }
         for held in &mut last {
@@ -173,18 +173,10 @@ impl Timeline {
     }
 }
 
-/// The value of a button or axis.
-pub(super) fn value_of(input: &Input, control: Control) -> f64 {
-    match control {
-        Control::Button(player, button) => f64::from(u8::from(input.of(player).buttons >> button.index() & 1 == 1)),
-        Control::Axis(player, axis) => input.of(player).axes[axis.index()],
-    }
-}
-
 /// The value of a control after some changes.
 fn value_before(held: &Input, changes: &[Change], control: Control) -> f64 {
     let last = changes.iter().rev().find(|change| change.control == control);
-    last.map_or_else(|| value_of(held, control), |change| change.value)
+    last.map_or_else(|| held.get(control), |change| change.value)
 }
 
 /// The changes from one input of a player to the next.

@@ -76,11 +76,11 @@ pub(super) fn closed_modes(
     let asker = Asker { problem, sources, script };
     for atom in atoms {
         let Gauge::Mode(_, approach) = &atom.gauge else { continue };
-        let slot = &approach.slot;
-        if !problem.sim.instance(state, *slot).is_alive() || problem.sim.holds(state, atom.id) == Ok(true) {
+        let slot = approach.slot;
+        if !problem.sim.instance(state, slot).is_alive() || problem.sim.holds(state, atom.id) == Ok(true) {
             continue;
         }
-        let entity = &problem.sim.program().entities[problem.sim.world().slots[*slot].entity];
+        let entity = &problem.sim.program().entities[problem.sim.world().slots[slot].entity];
         // The next modes on a shortest way.
         let edges: Vec<EdgeId> = approach.next(problem.sim, state);
         let mut targets: Vec<ModeId> = edges.iter().filter_map(|edge| entity.edges[*edge].target).collect();
@@ -88,7 +88,7 @@ pub(super) fn closed_modes(
         for mode in targets {
             let to: Vec<EdgeId> =
                 edges.iter().copied().filter(|edge| entity.edges[*edge].target == Some(mode)).collect();
-            let found = asker.closed_mode((*slot, mode, &to), true).filter(|found| !found.missing.is_empty());
+            let found = asker.closed_mode((slot, mode, &to), true).filter(|found| !found.missing.is_empty());
             closed.extend(found.filter(|found| !closed.contains(found)));
         }
     }

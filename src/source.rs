@@ -301,6 +301,29 @@ pub fn on_one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// A piece of a program on one line, without comments.
+pub fn code_on_one_line(text: &str) -> String {
+    on_one_line(&without_comments(text))
+}
+
+/// A text without `// …`; line breaks stay.
+pub fn without_comments(text: &str) -> String {
+    let cut = |line: &str| {
+        let comment = outside_quotes(line).find(|&(at, _)| line[at..].starts_with("//")).map(|(at, _)| at);
+        line.get(..comment.unwrap_or(line.len())).unwrap_or("").to_string()
+    };
+    text.lines().map(cut).collect::<Vec<_>>().join("\n")
+}
+
+/// The characters outside of quotes.
+pub fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> {
+    let mut quoted = false;
+    text.char_indices().filter(move |&(_, c)| {
+        quoted ^= c == '"';
+        !quoted
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

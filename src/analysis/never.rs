@@ -1,7 +1,7 @@
 //! Why a predicate of a world holds in no state: the parts of it that decide this, with the values that they read.
 
 use crate::ir::{DiscreteId, Entity, Expr, ExprId, Program, SlotId, Subject, TimerId, VarId, World, WorldId};
-use crate::source::{SourceMap, on_one_line};
+use crate::source::{SourceMap, code_on_one_line};
 
 use super::wording::relation;
 use super::{ConfigurationSpace, Interval, SlotSpace, Values};
@@ -48,9 +48,7 @@ pub fn never_holds(
 impl Part {
     /// The part and the values that it reads, as a sentence: ``` `hero.y > 140` never holds: hero.y in [0, 64] ```.
     pub fn sentence(&self, sources: &SourceMap, program: &Program, world: &World) -> String {
-        let text = sources.slice(program.spans.exprs[self.predicate]);
-        let text: Vec<&str> = text.lines().filter_map(|line| line.split("//").next()).collect();
-        let text = on_one_line(&text.join(" "));
+        let text = code_on_one_line(sources.slice(program.spans.exprs[self.predicate]));
         let entity = |slot: SlotId| -> &Entity { &program.entities[world.slots[slot].entity] };
         let reads = self.reads.iter().map(|(quantity, values)| {
             let (slot, name) = match *quantity {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::parallel::TaskContext;
 use crate::watch::{Progress, Watch};
 
 /// Whether ctrl-C was pressed. The handler can be set only once in a process.
@@ -38,6 +39,26 @@ impl Interrupt {
 impl Watch for Interrupt {
     fn stop(&self) -> bool {
         self.0.load(Ordering::SeqCst)
+    }
+}
+
+/// A watch over a task among many: it stops with the run, and after a time.
+pub(super) struct TaskWatch<'w, T> {
+    task: &'w TaskContext<'w, T>,
+    until: Option<Instant>,
+}
+
+impl<'w, T> TaskWatch<'w, T> {
+    /// Starts the clock, if there is a limit.
+    pub fn new(task: &'w TaskContext<'w, T>, seconds: Option<f64>) -> Self {
+        let limit = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        TaskWatch { task, until: limit.and_then(|limit| Instant::now().checked_add(limit)) }
+    }
+}
+
+impl<T: Send> Watch for TaskWatch<'_, T> {
+    fn stop(&self) -> bool {
+        self.task.is_over() || self.until.is_some_and(|until| Instant::now() >= until)
     }
 }
 

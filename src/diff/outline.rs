@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use crate::source::{Files, SourceMap, Span, on_one_line};
+use crate::source::{Files, SourceMap, Span, code_on_one_line};
 use crate::syntax;
 use crate::syntax::ast::{
     Assignment, Constant, Domain, Edge, Entity, File, Initial, Item, Map, MapSource, Member, Mode, Name, Place, Space,
@@ -56,9 +56,7 @@ struct Reader<'s> {
 impl Reader<'_> {
     /// A text on one line, without comments.
     fn text(&self, span: Span) -> String {
-        let text = self.sources.slice(span);
-        let lines: Vec<&str> = text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
-        on_one_line(&lines.join(" "))
+        code_on_one_line(self.sources.slice(span))
     }
 
     fn part(&self, kind: &'static str, name: impl Into<String>, text: String, at: Span) -> Part {

@@ -121,6 +121,14 @@ pub struct Comparison {
     pub old_way: Option<OldWay>,
 }
 
+impl Comparison {
+    /// The new way, where it is another one than before.
+    pub fn other_way(&self) -> Option<&str> {
+        let is_other = matches!(self.class, Class::Way | Class::Worse | Class::Found | Class::Better);
+        self.new.inputs.as_deref().filter(|_| is_other)
+    }
+}
+
 /// A program with a world.
 #[derive(Clone, Copy)]
 pub struct Version<'v> {
@@ -143,7 +151,7 @@ impl<'v> Version<'v> {
         let world = self.table();
         match kind {
             Kind::Goal => world.goal_named(name).map(Target::Goal),
-            Kind::Never => world.nevers.find(|never| never.name == name).map(Target::Never),
+            Kind::Never => world.never_named(name).map(Target::Never),
         }
     }
 }
@@ -225,10 +233,7 @@ impl<'v> Asked<'v> {
     fn by_way(&self, target: Target, script: &Script) -> Answered {
         let steps = script.len();
         Answered {
-            verdict: match target {
-                Target::Goal(_) => Conclusion::Reached,
-                Target::Never(_) => Conclusion::Violated,
-            },
+            verdict: Conclusion::of_path(target),
             by: Origin::Replay,
             steps: Some(steps),
             seconds_of_play: Some(steps as f64 * self.version.table().step.seconds()),

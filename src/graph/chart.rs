@@ -2,7 +2,7 @@
 
 use super::excerpt;
 use crate::ir::{self, Actions, Choice, EntityId, EntitySpans, Id, ModeId, Place, Program, RefValue};
-use crate::source::SourceMap;
+use crate::source::{SourceMap, code_on_one_line};
 
 /// The statechart of an entity.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -194,8 +194,7 @@ impl Reader<'_> {
             let is_whole = rest.is_some_and(|rest| rest.starts_with("+=") || rest.starts_with("-="));
             if is_whole { value } else { format!("{place} := {value}") }
         });
-        let spawns =
-            actions.spawns.iter().map(|&spawn| excerpt::on_one_line(self.sources.slice(self.spans.spawns[spawn])));
+        let spawns = actions.spawns.iter().map(|&spawn| code_on_one_line(self.sources.slice(self.spans.spawns[spawn])));
         let destroys = actions.destroys.iter().map(|what| match what {
             RefValue::Of(ir::Subject::Ref(reference)) => format!("destroy {}", entity.refs[*reference].name),
             _ => "destroy self".to_string(),
@@ -204,6 +203,6 @@ impl Reader<'_> {
     }
 
     fn expr(&self, id: ir::ExprId) -> String {
-        excerpt::on_one_line(self.sources.slice(self.program.spans.exprs[id]))
+        code_on_one_line(self.sources.slice(self.program.spans.exprs[id]))
     }
 }

@@ -1,9 +1,6 @@
 //! Excerpts of the source for labels: on one line, without comments, not too long.
 
-/// A text on one line, without comments.
-pub(super) fn on_one_line(text: &str) -> String {
-    crate::source::on_one_line(&without_comments(text))
-}
+use crate::source::{code_on_one_line, outside_quotes, without_comments};
 
 /// The guard and the updates of `when GUARD -> TARGET { UPDATES }`.
 pub(super) fn edge(text: &str) -> (String, Vec<String>) {
@@ -14,7 +11,7 @@ pub(super) fn edge(text: &str) -> (String, Vec<String>) {
     let guard = guard_end.and_then(|(at, _)| text.get(..at)).unwrap_or(text);
     let open = outside_quotes(text).find(|&(_, c)| c == '{').map(|(at, _)| at + 1);
     let updates = open.and_then(|at| text.get(at..)).map(|rest| rest.trim_end().trim_end_matches('}')).unwrap_or("");
-    (on_one_line(guard), statements(updates))
+    (code_on_one_line(guard), statements(updates))
 }
 
 /// The updates of a block, separated by line ends or `;`.
@@ -33,7 +30,7 @@ fn statements(block: &str) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for pair in cuts.windows(2) {
         let [from, to] = pair else { continue };
-        let piece = on_one_line(block.get(*from..to - 1).unwrap_or(""));
+        let piece = code_on_one_line(block.get(*from..to - 1).unwrap_or(""));
         let begins = [":=", "+=", "-="].iter().any(|sign| piece.contains(sign))
             || piece.starts_with("spawn ")
             || piece.starts_with("destroy ");
@@ -45,24 +42,6 @@ fn statements(block: &str) -> Vec<String> {
         }
     }
     out
-}
-
-/// A text without `// …`; line breaks stay.
-fn without_comments(text: &str) -> String {
-    let cut = |line: &str| {
-        let comment = outside_quotes(line).find(|&(at, _)| line[at..].starts_with("//")).map(|(at, _)| at);
-        line.get(..comment.unwrap_or(line.len())).unwrap_or("").to_string()
-    };
-    text.lines().map(cut).collect::<Vec<_>>().join("\n")
-}
-
-/// The characters outside of quotes.
-fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> {
-    let mut quoted = false;
-    text.char_indices().filter(move |&(_, c)| {
-        quoted ^= c == '"';
-        !quoted
-    })
 }
 
 /// The beginning of a text, at most `most` characters; `…` marks an omission.

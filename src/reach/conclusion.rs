@@ -28,6 +28,14 @@ pub enum Conclusion {
 }
 
 impl Conclusion {
+    /// What a path to a target shows.
+    pub fn of_path(target: Target) -> Conclusion {
+        match target {
+            Target::Goal(_) => Conclusion::Reached,
+            Target::Never(_) => Conclusion::Violated,
+        }
+    }
+
     /// All of them, best first where a goal is asked for.
     pub const ALL: [Conclusion; 7] = [
         Conclusion::Reached,
@@ -133,8 +141,7 @@ impl Outcome {
     /// The conclusion of this outcome.
     pub fn conclusion(&self, target: Target) -> Conclusion {
         match (&self.verdict, target) {
-            (Verdict::Reached(_), Target::Goal(_)) => Conclusion::Reached,
-            (Verdict::Reached(_), Target::Never(_)) => Conclusion::Violated,
+            (Verdict::Reached(_), _) => Conclusion::of_path(target),
             (Verdict::NotFound, Target::Goal(_)) if !self.is_withdrawn => Conclusion::NotFound,
             (Verdict::NotFound, _) => Conclusion::NotAnswered,
             (Verdict::Unreachable(_), _) => Conclusion::ProvenUnreachable,

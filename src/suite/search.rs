@@ -150,10 +150,7 @@ fn kept(
     let (script, found) = parse_script(program, sim.world_id(), file, &text);
     let script = Some(script).filter(|_| !found.has_errors())?;
     let (plan, luck) = replay(&sim, query, target, &script, watch)?;
-    let conclusion = match target {
-        Target::Goal(_) => Conclusion::Reached,
-        Target::Never(_) => Conclusion::Violated,
-    };
+    let conclusion = Conclusion::of_path(target);
     Some(Known {
         conclusion,
         words: found_words(kind, plan.steps, luck.as_ref(), sim.world().step.seconds()),

@@ -39,7 +39,7 @@ fn begins_with_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-fn begins_with_capital(text: &str) -> bool {
+pub(super) fn begins_with_capital(text: &str) -> bool {
     text.starts_with(char::is_uppercase)
 }
 
@@ -316,7 +316,7 @@ fn setting(failed: &Failure<'_>) -> Option<LikelyFix> {
 }
 
 /// A name with another first letter.
-fn with_first(name: &str, change: impl Fn(char) -> String) -> String {
+pub(super) fn with_first(name: &str, change: impl Fn(char) -> String) -> String {
     let mut letters = name.chars();
     letters.next().map(change).into_iter().chain(letters.map(String::from)).collect()
 }

@@ -2,6 +2,7 @@
 //! a world or a space consists of, for a statement that resembles nothing.
 
 use super::Rule;
+use super::foreign::{begins_with_capital, with_first};
 use super::likely_fix::{Failure, LikelyFix, word};
 
 /// The most likely fix of a statement in an unknown form.
@@ -23,12 +24,12 @@ fn instance(failed: &Failure<'_>) -> Option<LikelyFix> {
     };
     let name = word(written);
     let rest = written.strip_prefix(name)?.trim_start();
-    let is_capital = |name: &str| name.starts_with(char::is_uppercase);
-    let named = rest.strip_prefix([':', '=']).map(|rest| word(rest.trim_start())).filter(|entity| is_capital(entity));
+    let named =
+        rest.strip_prefix([':', '=']).map(|rest| word(rest.trim_start())).filter(|entity| begins_with_capital(entity));
     let (name, entity) = match named {
         Some(entity) if !name.is_empty() => (name.to_string(), entity),
-        _ if is_capital(name) && (rest.is_empty() || rest.starts_with(['(', '{']) || word(rest) == "at") => {
-            (name.to_lowercase(), name)
+        _ if begins_with_capital(name) && (rest.is_empty() || rest.starts_with(['(', '{']) || word(rest) == "at") => {
+            (with_first(name, |c| c.to_lowercase().collect()), name)
         }
         _ => return None,
     };

@@ -4,7 +4,7 @@ use crate::analysis::watched_space;
 use crate::compile::NumberSetting;
 use crate::diagnostic::{Diagnostics, render};
 use crate::reach::query::{QueryError, Session};
-use crate::reach::{Conclusion, Luck, Target, Verdict, improve_duration};
+use crate::reach::{Conclusion, Luck, Verdict, improve_duration};
 use crate::sim::{Input, Script, Simulator};
 use crate::watch::Watch;
 
@@ -225,10 +225,7 @@ impl<'h> Oracle<'h> {
         };
         let (of, plan) = exact.or_else(near)?;
         let trial = Trial {
-            verdict: match target {
-                Target::Goal(_) => Conclusion::Reached,
-                Target::Never(_) => Conclusion::Violated,
-            },
+            verdict: Conclusion::of_path(target),
             steps: Some(plan.steps),
             seconds_of_play: Some(plan.steps as f64 * sim.world().step.seconds()),
             inputs: Some(plan.script.text(&built.program, built.world)),

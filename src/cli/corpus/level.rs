@@ -1,7 +1,7 @@
 //! One level of many: compiled with the program, searched for all targets, made into rows.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use cpu_time::ThreadTime;
 
@@ -10,7 +10,6 @@ use crate::corpus::{Key, Record, Row, Settings, StoredRow, Timing};
 use crate::diagnostic::{Severity, render};
 use crate::parallel::TaskContext;
 use crate::reach::query::{Found, Kind, Session};
-use crate::watch::Watch;
 
 use crate::cli::args::ReachArgs;
 use crate::cli::disk::Disk;
@@ -19,6 +18,7 @@ use crate::cli::reach::question::{ReachChanges, query, refusal};
 use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, find_world, level_sha256, program_sha256};
+use crate::cli::watches::TaskWatch;
 
 /// A level; `path` is `None` for a program that contains its maps.
 #[derive(Debug, Clone)]
@@ -99,14 +99,14 @@ impl CorpusContext<'_> {
         if open.is_empty() {
             return;
         }
-        let watch = LevelWatch::new(task_context, self.args.seconds);
+        let watch = TaskWatch::new(task_context, self.args.seconds);
         let started = Instant::now();
         let session = Session::new(&loaded.program, world, query, &watch);
         let analysis_seconds = started.elapsed().as_secs_f64();
         let answered = |target: usize, mut found: Found<'_>, timing: Timing| {
             let answer = session.answer(&mut found, &loaded.sources);
             let destination = self.destination(level, &answer.goal);
-            let watch = LevelWatch::new(task_context, None);
+            let watch = TaskWatch::new(task_context, None);
             destination.save(&session, &found, &answer, &watch).map_err(|refusal| refusal.text(&loaded.sources))?;
             let fault = found.outcome.fault.map(|(fault, step)| fault.fact(&loaded.program, world, step));
             let fault = fault.map(|fact| Refusal::of(fact).text(&loaded.sources));
@@ -118,7 +118,7 @@ impl CorpusContext<'_> {
             if task_context.is_over() {
                 return;
             }
-            let watch = LevelWatch::new(task_context, self.args.seconds);
+            let watch = TaskWatch::new(task_context, self.args.seconds);
             let (started, cpu_started) = (Instant::now(), cpu_seconds());
             let found = session.find(session.query().targets[target], &watch);
             let cpu_seconds = cpu_started.zip(cpu_seconds()).map(|(from, to)| to - from);
@@ -170,24 +170,4 @@ impl CorpusContext<'_> {
 /// CPU time of this thread, s; `None` if the system does not report it.
 fn cpu_seconds() -> Option<f64> {
     ThreadTime::try_now().ok().map(|time| time.as_duration().as_secs_f64())
-}
-
-/// Watches one search: its time limit, and a stop of the whole run.
-struct LevelWatch<'w> {
-    task_context: &'w TaskContext<'w, TaskResult>,
-    until: Option<Instant>,
-}
-
-impl<'w> LevelWatch<'w> {
-    fn new(task_context: &'w TaskContext<'w, TaskResult>, seconds: Option<f64>) -> Self {
-        let until =
-            seconds.and_then(|s| Duration::try_from_secs_f64(s).ok()).and_then(|s| Instant::now().checked_add(s));
-        LevelWatch { task_context, until }
-    }
-}
-
-impl Watch for LevelWatch<'_> {
-    fn stop(&self) -> bool {
-        self.task_context.is_over() || self.until.is_some_and(|until| Instant::now() >= until)
-    }
 }

@@ -4,6 +4,7 @@ use crate::diff::{FigureChange, Figures, Jump, PlayerChange, Press, Speed};
 
 use crate::cli::reach::counted;
 
+use super::result::{DiffResult, WorldFigures};
 use super::words::px;
 
 /// Maximum number of modes that a line names.
@@ -18,8 +19,23 @@ fn arrow(old: &str, new: &str) -> String {
     if old == new { new.to_string() } else { format!("{old} → {new}") }
 }
 
+/// What differs of the players: a heading each, and lines in two columns.
+pub(super) fn figure_changes(result: &DiffResult) -> Vec<(String, Vec<(String, String)>)> {
+    let has_worlds = result.figures.len() > 1;
+    let of_world = |of: &WorldFigures| {
+        let world = if has_worlds { format!(", world {}", of.world) } else { String::new() };
+        let figures = if of.new.is_empty() { &of.old } else { &of.new };
+        let player = |change: &PlayerChange| {
+            let lines = jump_lines(change).into_iter().chain(speed_lines(change)).collect();
+            (format!("{}{world}", player_words(change, figures)), lines)
+        };
+        of.changes.iter().map(player).collect::<Vec<_>>()
+    };
+    result.figures.iter().flat_map(of_world).collect()
+}
+
 /// `hero on flat ground (rock): 4 of 12 jumps differ`
-pub(super) fn player_words(change: &PlayerChange, figures: &[Figures]) -> String {
+fn player_words(change: &PlayerChange, figures: &[Figures]) -> String {
     let name = &change.instance;
     match change.stands {
         [true, false] => {
@@ -120,7 +136,7 @@ fn join_by<'j, T: Clone + PartialEq>(
 }
 
 /// The jumps that differ, a line each; those with the same change share one.
-pub(super) fn jump_lines(change: &PlayerChange) -> Vec<(String, String)> {
+fn jump_lines(change: &PlayerChange) -> Vec<(String, String)> {
     let mut lines: Vec<(Vec<JumpNames<'_>>, String)> = Vec::new();
     for FigureChange { old, new } in &change.jumps {
         let (jump, what) = match (old, new) {
@@ -144,7 +160,7 @@ pub(super) fn jump_lines(change: &PlayerChange) -> Vec<(String, String)> {
 }
 
 /// The speeds that differ, a line each; modes with the same change share one.
-pub(super) fn speed_lines(change: &PlayerChange) -> Vec<(String, String)> {
+fn speed_lines(change: &PlayerChange) -> Vec<(String, String)> {
     let mut lines: Vec<(Vec<&str>, String)> = Vec::new();
     for FigureChange { old, new } in &change.speeds {
         let (Some(old), Some(new)): (&Option<Speed>, &Option<Speed>) = (old, new) else { continue };

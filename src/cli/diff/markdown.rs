@@ -2,7 +2,7 @@
 
 use crate::diff::{Class, Comparison};
 
-use super::figure_words::{jump_lines, player_words, speed_lines};
+use super::figure_words::figure_changes;
 use super::result::{DiffResult, LevelResult};
 use super::words::{change_words, class_word, map_words, question_words, summary, way_lines};
 
@@ -50,26 +50,20 @@ pub(super) fn result_markdown(result: &DiffResult) -> String {
         out.push_str("\n**What changed**\n\n");
         list(&mut out, &lines);
     }
-    for of in &result.figures {
-        for change in &of.changes {
-            let world = if result.figures.len() > 1 { format!(", world {}", of.world) } else { String::new() };
-            let figures = if of.new.is_empty() { &of.old } else { &of.new };
-            out.push_str(&format!("\n**{}{}**\n", plain(&player_words(change, figures)), plain(&world)));
-            let lines: Vec<(String, String)> = jump_lines(change).into_iter().chain(speed_lines(change)).collect();
-            if lines.is_empty() {
-                continue;
-            }
-            out.push_str("\n| input | change |\n|---|---|\n");
-            for (name, what) in lines.iter().take(MAX_SHOWN) {
-                out.push_str(&format!("| {} | {} |\n", plain(name), plain(what)));
-            }
+    for (head, lines) in figure_changes(result) {
+        out.push_str(&format!("\n**{}**\n", plain(&head)));
+        if lines.is_empty() {
+            continue;
+        }
+        out.push_str("\n| input | change |\n|---|---|\n");
+        for (name, what) in lines.iter().take(MAX_SHOWN) {
+            out.push_str(&format!("| {} | {} |\n", plain(name), plain(what)));
         }
     }
-    let asked = || result.levels.iter().filter(|level| !level.questions.is_empty() || level.error.is_some());
-    if asked().next().is_some() {
+    if result.asked().next().is_some() {
         out.push_str("\n| level | question | change | answer |\n|---|---|---|---|\n");
-        asked().for_each(|level| out.push_str(&rows(level)));
-        for level in asked() {
+        result.asked().for_each(|level| out.push_str(&rows(level)));
+        for level in result.asked() {
             let changed = level.questions.iter().filter(|question| question.class != Class::Same);
             changed.for_each(|question| out.push_str(&details(level, question)));
         }
@@ -99,11 +93,7 @@ fn details(level: &LevelResult, question: &Comparison) -> String {
     for (name, what) in question.old_way.iter().flat_map(|way| way_lines(way, question.class)) {
         lines.push(if name.is_empty() { what } else { format!("{name}: {what}") });
     }
-    if let (Class::Way | Class::Worse | Class::Found | Class::Better, Some(inputs)) =
-        (question.class, &question.new.inputs)
-    {
-        lines.push(format!("inputs: `{inputs}`"));
-    }
+    lines.extend(question.other_way().map(|inputs| format!("inputs: `{inputs}`")));
     if lines.is_empty() {
         return String::new();
     }

@@ -22,7 +22,7 @@ use crate::diagnostic::{Severity, render, similar};
 use crate::diff::{
     Budget, Class, Compared, Version, changes, compare, level_changes, measure, outline, player_changes,
 };
-use crate::ir::{Program, World, WorldId};
+use crate::ir::{World, WorldId};
 use crate::json::{self, Layout};
 use crate::parallel::{self, TaskContext};
 use crate::reach::Limits;
@@ -35,7 +35,7 @@ use crate::cli::disk::Disk;
 use crate::cli::reach::question::{NEVER, asked_only};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, load_changed, plain_error, program_sha256, show_fact};
-use crate::cli::watches::{Interrupt, interrupted};
+use crate::cli::watches::{Interrupt, TaskWatch, interrupted};
 use args::{DeniedChange, DiffArgs, DiffFormat};
 use result::{DiffResult, LevelResult, ProgramOf, RESULT_VERSION, WorldFigures};
 
@@ -249,9 +249,9 @@ impl Run<'_> {
             let (first, second) = match &with_level {
                 Some((first, second)) if is_open(self.old, old) || is_open(self.new, new) => (first, second),
                 _ => {
-                    let table = |loaded: &'_ Loaded, id: WorldId| loaded.program.worlds[id].clone();
-                    let (was, is) = (table(self.old, old), table(self.new, new));
-                    result.maps.extend(level_changes((&self.old.program, &was), (&self.new.program, &is)));
+                    let [was, is] = [(self.old, old), (self.new, new)]
+                        .map(|(loaded, id)| (&*loaded.program, &*loaded.program.worlds[id]));
+                    result.maps.extend(level_changes(was, is));
                     (self.old, self.new)
                 }
             };
@@ -276,7 +276,7 @@ impl Run<'_> {
         let bar = bar(levels.len());
         let mut all: Vec<Option<Vec<LevelResult>>> = levels.iter().map(|_| None).collect();
         let task = |at: usize, context: &TaskContext<'_, Vec<LevelResult>>| {
-            let watch = LevelWatch(context);
+            let watch = TaskWatch::new(context, None);
             let found = self.level(levels[at], &watch);
             if !watch.stop() {
                 context.submit(found);
@@ -356,14 +356,12 @@ impl Run<'_> {
             }
             if !is_same && !self.args.no_search {
                 let asked = [(old, was), (new, is)].map(|(loaded, world)| asked_only(loaded, world));
-                let version = |loaded: &'_ Loaded, world| (loaded.program.clone(), world);
-                let ((first, was), (second, is)) = (version(old, was), version(new, is));
-                let questions = self.names((&first, was), (&second, is));
+                let questions = self.names(&old.program.worlds[was], &new.program.worlds[is]);
                 let limits = Limits { nodes: self.args.nodes, memory: self.args.memory << 20 };
                 let budget = Budget { limits, seed: self.args.seed };
                 let sides = (
-                    Version { program: &first, sources: &old.sources, world: was, asked: &asked[0] },
-                    Version { program: &second, sources: &new.sources, world: is, asked: &asked[1] },
+                    Version { program: &old.program, sources: &old.sources, world: was, asked: &asked[0] },
+                    Version { program: &new.program, sources: &new.sources, world: is, asked: &asked[1] },
                 );
                 let Compared { comparisons, is_refuted } = compare(sides.0, sides.1, &questions, budget, watch);
                 (row.questions, row.is_refuted) = (comparisons, is_refuted);
@@ -374,15 +372,13 @@ impl Run<'_> {
     }
 
     /// The questions that are asked of a world: those of the arguments, or all.
-    fn names(&self, old: (&Program, WorldId), new: (&Program, WorldId)) -> Vec<(Kind, String)> {
+    fn names(&self, before: &World, now: &World) -> Vec<(Kind, String)> {
         if !self.questions.is_empty() {
             let kind = |asked| if asked == Asked::Never { Kind::Never } else { Kind::Goal };
             return self.questions.iter().map(|of| (kind(of.asked), question_name(of.text))).collect();
         }
-        let (before, now) = (&old.0.worlds[old.1], &new.0.worlds[new.1]);
         let goals = now.goals.iter().filter(|goal| before.goal_named(&goal.name).is_some());
-        let known = |name: &str| before.nevers.iter().any(|never| never.name == name);
-        let nevers = now.nevers.iter().filter(|never| known(&never.name));
+        let nevers = now.nevers.iter().filter(|never| before.never_named(&never.name).is_some());
         let goals = goals.map(|goal| (Kind::Goal, goal.name.clone()));
         goals.chain(nevers.map(|never| (Kind::Never, never.name.clone()))).collect()
     }
@@ -399,14 +395,5 @@ fn blank(level: Option<String>, world: String) -> LevelResult {
         is_refuted: false,
         maps: Vec::new(),
         questions: Vec::new(),
-    }
-}
-
-/// Stops with the whole run.
-struct LevelWatch<'w>(&'w TaskContext<'w, Vec<LevelResult>>);
-
-impl Watch for LevelWatch<'_> {
-    fn stop(&self) -> bool {
-        self.0.is_over()
     }
 }

@@ -105,6 +105,11 @@ impl LevelResult {
 }
 
 impl DiffResult {
+    /// The levels with answers, or with an error instead.
+    pub fn asked(&self) -> impl Iterator<Item = &LevelResult> {
+        self.levels.iter().filter(|level| !level.questions.is_empty() || level.error.is_some())
+    }
+
     /// The number of questions of a class; a level that is broken counts as one.
     pub fn count(&self, class: Class) -> usize {
         let of = |level: &LevelResult| match level.is_broken {

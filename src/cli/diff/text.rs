@@ -4,7 +4,7 @@
 use crate::diff::{Class, Comparison};
 use crate::tabular::{Cell, Column, Table};
 
-use super::figure_words::{jump_lines, player_words, speed_lines};
+use super::figure_words::figure_changes;
 use super::result::{DiffResult, LevelResult};
 use super::words::{change_words, class_word, map_words, question_words, summary, way_lines};
 
@@ -52,17 +52,11 @@ pub(super) fn result_text(result: &DiffResult) -> String {
     } else if !result.is_same {
         out.push_str("  what changed: nothing that is told apart by name\n");
     }
-    for of in &result.figures {
-        for change in &of.changes {
-            let world = if result.figures.len() > 1 { format!(", world {}", of.world) } else { String::new() };
-            let figures = if of.new.is_empty() { &of.old } else { &of.new };
-            out.push_str(&format!("  {}{world}\n", player_words(change, figures)));
-            let lines = jump_lines(change).into_iter().chain(speed_lines(change)).collect::<Vec<_>>();
-            limited(&mut out, &columns(&lines));
-        }
+    for (head, lines) in figure_changes(result) {
+        out.push_str(&format!("  {head}\n"));
+        limited(&mut out, &columns(&lines));
     }
-    let asked: Vec<&LevelResult> =
-        result.levels.iter().filter(|level| !level.questions.is_empty() || level.error.is_some()).collect();
+    let asked: Vec<&LevelResult> = result.asked().collect();
     match asked.as_slice() {
         [] => {}
         [only] => out.push_str(&level_text(only, true)),
@@ -128,9 +122,7 @@ fn question_text(question: &Comparison) -> String {
     let mut lines: Vec<(String, String)> =
         new.reasons.iter().filter(|_| *class != Class::Same).map(|why| ("because".into(), why.clone())).collect();
     lines.extend(old_way.iter().flat_map(|way| way_lines(way, *class)));
-    if let (Class::Way | Class::Worse | Class::Found | Class::Better, Some(inputs)) = (class, &new.inputs) {
-        lines.push(("inputs".to_string(), inputs.clone()));
-    }
+    lines.extend(question.other_way().map(|inputs| ("inputs".to_string(), inputs.to_string())));
     columns(&lines).iter().for_each(|line| out.push_str(&format!("      {line}\n")));
     out
 }

@@ -5,7 +5,6 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use serde::Serialize;
@@ -19,7 +18,6 @@ use crate::reach::Conclusion;
 use crate::reach::query::{Answer, Kind, Session};
 use crate::tabular::{Cell, Column, Table, csv};
 use crate::view::{Shade, VerdictMap, VerdictPanel, verdict_map_svg};
-use crate::watch::Watch;
 
 use super::question::{ReachChanges, query, recorded_settings, refusal};
 use super::refuted::{Refuted, RunInfo, command_line};
@@ -29,7 +27,7 @@ use crate::cli::disk::Disk;
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256, written};
 use crate::cli::sweep::Sweep;
-use crate::cli::watches::interrupted;
+use crate::cli::watches::{TaskWatch, interrupted};
 
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 1;
@@ -85,18 +83,6 @@ struct Point {
 #[cfg(feature = "testing")]
 pub(in crate::cli) fn json_schema() -> schemars::Schema {
     schemars::schema_for!(SweepResult)
-}
-
-/// Stops at ctrl-C, and after a time.
-struct PointWatch<'w> {
-    task: &'w TaskContext<'w, Point>,
-    until: Option<Instant>,
-}
-
-impl Watch for PointWatch<'_> {
-    fn stop(&self) -> bool {
-        self.task.is_over() || self.until.is_some_and(|until| Instant::now() >= until)
-    }
 }
 
 pub(super) fn run(args: &ReachArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
@@ -202,8 +188,7 @@ fn point(args: &ReachArgs, sweep: &Sweep<'_>, at: usize, task: &TaskContext<'_, 
     // Threads are used for points.
     query.settings.threads = 1;
     query.settings.records = false;
-    let limit = args.seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    let watch = || PointWatch { task, until: limit.and_then(|limit| Instant::now().checked_add(limit)) };
+    let watch = || TaskWatch::new(task, args.seconds);
     let session = Session::new(&loaded.program, world, query, &watch());
     let mut all = Vec::new();
     for &target in &session.query().targets {

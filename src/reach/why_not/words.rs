@@ -2,7 +2,7 @@
 
 use crate::ir::{Expr, ExprId, Subject};
 use crate::sim::Simulator;
-use crate::source::{SourceMap, on_one_line};
+use crate::source::{SourceMap, code_on_one_line};
 
 use super::lack::{Atom, Gauge, Term};
 use super::record::PartState;
@@ -44,8 +44,7 @@ impl Describer<'_> {
         if !self.sources.holds(span) {
             return String::new();
         }
-        let lines = self.sources.slice(span).lines().filter_map(|line| line.split("//").next());
-        on_one_line(&lines.collect::<Vec<_>>().join(" "))
+        code_on_one_line(self.sources.slice(span))
     }
 
     /// A part of a goal in a state; `id` is the expression that it was made of.

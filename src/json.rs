@@ -3,8 +3,8 @@
 
 use std::io::{self, Write};
 
-use serde::Serialize;
 use serde::ser::Error;
+use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Serializer;
 use serde_json::ser::{CompactFormatter, Formatter, PrettyFormatter};
 
@@ -45,6 +45,14 @@ pub fn bytes(value: &impl Serialize, layout: Layout) -> serde_json::Result<Vec<u
 /// As [`bytes`].
 pub fn text(value: &impl Serialize, layout: Layout) -> serde_json::Result<String> {
     String::from_utf8(bytes(value, layout)?).map_err(Error::custom)
+}
+
+/// Reads a value.
+///
+/// # Errors
+/// Why the text is no such value.
+pub fn read<T: DeserializeOwned>(text: &str) -> serde_json::Result<T> {
+    serde_json::from_str(text)
 }
 
 enum Either {

@@ -2,7 +2,7 @@
 //! a device has no end and opening a pipe blocks.
 
 use std::collections::BTreeMap;
-use std::fs::{File, FileType};
+use std::fs::{self, File, FileType};
 use std::io::{self, BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -71,7 +71,7 @@ pub(super) fn open(path: &Path) -> Result<File, ReadError> {
 /// # Errors
 /// [`ReadError::Unreadable`] if not.
 pub(super) fn is_regular(path: &Path) -> Result<(), ReadError> {
-    let kind = std::fs::metadata(path).map_err(unreadable)?.file_type();
+    let kind = fs::metadata(path).map_err(unreadable)?.file_type();
     match kind.is_file() {
         true => Ok(()),
         false => Err(ReadError::Unreadable(format!("it is {}, not a regular file", name(kind)))),
@@ -196,14 +196,34 @@ pub(super) fn replace(path: &Path, text: &str) -> Result<(), String> {
         file.write_all(text.as_bytes())?;
         file.set_permissions(found.permissions())?;
         file.sync_all()?;
-        std::fs::rename(&temporary, &path)
+        fs::rename(&temporary, &path)
     };
     written().map_err(|e| {
         if e.kind() != io::ErrorKind::AlreadyExists {
-            let _ = std::fs::remove_file(&temporary);
+            let _ = fs::remove_file(&temporary);
         }
         reason(&e)
     })
+}
+
+/// The folder of `hypedc` in the user's cache; `None` if the system tells no place for it.
+pub(super) fn user_cache() -> Option<PathBuf> {
+    let given = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let at_home = if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" };
+    let cache = given("XDG_CACHE_HOME").or_else(|| given("LOCALAPPDATA"));
+    let cache = cache.or_else(|| given("HOME").map(|home| home.join(at_home)))?;
+    Some(cache.join("hypedc"))
+}
+
+/// Writes a file of the cache atomically. What cannot be written is not kept.
+pub(super) fn keep_in_cache(path: &Path, text: &str) {
+    if let Some(folder) = path.parent() {
+        let _ = fs::create_dir_all(folder);
+    }
+    let temporary = path.with_extension(format!("{}.tmp", std::process::id()));
+    if fs::write(&temporary, text).and_then(|()| fs::rename(&temporary, path)).is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
 }
 
 /// The system's message, without the error number.

@@ -8,11 +8,15 @@ use crate::lsp::{Server, Settings, Transport, Workspace};
 use crate::source::{Files, ReadError};
 
 use super::Exit;
-use super::disk::Disk;
+use super::disk::{Disk, keep_in_cache, user_cache};
+use super::report::sha256;
 
 /// Maximum number of compiled programs of a workspace, and of folders searched for them.
 const MAX_PROGRAMS: usize = 2_000;
 const MAX_FOLDERS: usize = 20_000;
+/// Maximum number of files that may be levels of a program, and of folders searched for them.
+const MAX_LEVELS: usize = 500;
+const MAX_LEVEL_FOLDERS: usize = 200;
 
 /// The programs on the disk.
 struct Folders;
@@ -33,29 +37,57 @@ impl Files for Folders {
 
 impl Workspace for Folders {
     fn programs(&self, folder: &Path) -> Vec<PathBuf> {
-        let (mut found, mut folders, mut searched) = (Vec::new(), vec![folder.to_path_buf()], 0);
-        while let Some(folder) = folders.pop() {
-            searched += 1;
-            if searched > MAX_FOLDERS || found.len() >= MAX_PROGRAMS {
-                break;
-            }
-            let Ok(entries) = std::fs::read_dir(&folder) else { continue };
-            for entry in entries.flatten() {
-                let path = entry.path();
-                let hidden = entry.file_name().to_string_lossy().starts_with('.');
-                let built = matches!(entry.file_name().to_str(), Some("target" | "node_modules"));
-                // Links are not followed: they may form cycles.
-                match entry.file_type() {
-                    Ok(kind) if kind.is_dir() && !hidden && !built => folders.push(path),
-                    Ok(kind) if kind.is_file() && path.extension().is_some_and(|e| e == "hyped") => found.push(path),
-                    _ => {}
-                }
+        files(folder, &["hyped"], (MAX_PROGRAMS, MAX_FOLDERS))
+    }
+
+    fn levels(&self, folder: &Path) -> Vec<PathBuf> {
+        files(folder, &["txt", "tmx", "tmj", "ldtk"], (MAX_LEVELS, MAX_LEVEL_FOLDERS))
+    }
+
+    fn recall(&self, key: &str) -> Option<String> {
+        Disk.read(&remembered(key)?).ok()
+    }
+
+    fn remember(&self, key: &str, text: &str) {
+        if let Some(path) = remembered(key) {
+            keep_in_cache(&path, text);
+        }
+    }
+}
+
+/// The files in a folder and its subfolders with one of some extensions, up to a number of files and of folders.
+fn files(folder: &Path, extensions: &[&str], (most, most_folders): (usize, usize)) -> Vec<PathBuf> {
+    let (mut found, mut folders, mut searched) = (Vec::new(), vec![folder.to_path_buf()], 0);
+    let is_wanted = |path: &Path| {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        extension.is_some_and(|extension| extensions.iter().any(|wanted| extension.eq_ignore_ascii_case(wanted)))
+    };
+    while let Some(folder) = folders.pop() {
+        searched += 1;
+        if searched > most_folders || found.len() >= most {
+            break;
+        }
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        for entry in entries.flatten() {
+            let path = entry.path();
+            let hidden = entry.file_name().to_string_lossy().starts_with('.');
+            let built = matches!(entry.file_name().to_str(), Some("target" | "node_modules"));
+            // Links are not followed: they may form cycles.
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() && !hidden && !built => folders.push(path),
+                Ok(kind) if kind.is_file() && is_wanted(&path) => found.push(path),
+                _ => {}
             }
         }
-        found.sort();
-        found.truncate(MAX_PROGRAMS);
-        found
     }
+    found.sort();
+    found.truncate(most);
+    found
+}
+
+/// Where a text is remembered in the user's cache.
+fn remembered(key: &str) -> Option<PathBuf> {
+    Some(user_cache()?.join("editor").join(format!("{}.json", sha256(key.as_bytes()))))
 }
 
 pub(super) fn run() -> io::Result<Exit> {

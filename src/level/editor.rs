@@ -32,6 +32,14 @@ impl Format {
     }
 }
 
+/// The names of the levels in the text of a level editor's file; empty if the file is one level.
+pub fn level_names(format: Format, text: &str) -> Vec<String> {
+    match format {
+        Format::Tiled => Vec::new(),
+        Format::Ldtk => ldtk::level_names(text),
+    }
+}
+
 /// Reads the files that a level names, by paths relative to its own: tilesets, or the separate file of the level `part`
 /// of a project. Files that were read before are skipped.
 pub fn read_dependencies(

@@ -23,6 +23,12 @@ fn levels<'n, 't>(root: &'n Node<'t>) -> impl Iterator<Item = &'n Node<'t>> {
     root.children(&["levels"]).chain(root.children(&["worlds"]).flat_map(|world| world.children(&["levels"])))
 }
 
+/// The names of all levels of a project; empty if the text is none.
+pub(super) fn level_names(text: &str) -> Vec<String> {
+    let Ok(root) = Node::read(text) else { return Vec::new() };
+    levels(&root).map(|level| level.text_of("identifier").to_string()).collect()
+}
+
 /// The level with a name, or the only level.
 pub(super) fn select_level<'n, 't>(root: &'n Node<'t>, name: Option<&str>) -> Result<&'n Node<'t>, LevelError> {
     if root.get("jsonVersion").is_none() && root.child("__header__").is_none() {

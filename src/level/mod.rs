@@ -16,7 +16,7 @@ mod tiled;
 mod xml;
 
 pub use brush::{Brush, Canvas};
-pub use editor::{Format, read_dependencies, read_level};
+pub use editor::{Format, level_names, read_dependencies, read_level};
 pub use editor_level::{EditorLevel, Meaning, Object, Setting, Value};
 pub use inline::{InlineTile, inline_map, text_rows};
 pub use legend::legend;

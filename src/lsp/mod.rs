@@ -35,6 +35,8 @@ pub mod service;
 mod snapshot;
 mod text;
 mod values;
+#[cfg(feature = "lsp")]
+mod verdicts;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -48,4 +50,17 @@ use crate::source::Files;
 pub trait Workspace: Files + Send + Sync {
     /// The programs in a folder and its subfolders.
     fn programs(&self, folder: &Path) -> Vec<PathBuf>;
+
+    /// The files in a folder and its subfolders that may be levels, by their names.
+    fn levels(&self, _folder: &Path) -> Vec<PathBuf> {
+        Vec::new()
+    }
+
+    /// What was remembered under a key, outside of all projects.
+    fn recall(&self, _key: &str) -> Option<String> {
+        None
+    }
+
+    /// Remembers a text under a key. What cannot be written is forgotten.
+    fn remember(&self, _key: &str, _text: &str) {}
 }

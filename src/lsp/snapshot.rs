@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use crate::compile::{IdeCompilation, compile_for_ide};
+use crate::compile::{Compilation, IdeCompilation, LevelFile, compile_for_ide, compile_with};
 use crate::source::{FileId, Files, ReadError, Span, decode, normalize};
 use crate::syntax;
 use crate::syntax::ast::{Behavior, Item};
@@ -75,6 +75,14 @@ impl Snapshot {
         let files = Overlay { open, disk, requested: RefCell::default() };
         let ide = compile_for_ide(root, &files);
         Snapshot::new(root, open, ide, files.requested.into_inner())
+    }
+
+    /// Compiles the program with a level for its open maps, from the texts that the snapshot was compiled from. Returns the
+    /// files that it read, too.
+    pub fn with_level(&self, level: LevelFile<'_>, disk: &dyn Workspace) -> (Compilation, BTreeSet<PathBuf>) {
+        let files = Overlay { open: &self.open, disk, requested: RefCell::default() };
+        let compilation = compile_with(&self.root, level, &files);
+        (compilation, files.requested.into_inner())
     }
 
     /// A program that was compiled from `dependencies`.

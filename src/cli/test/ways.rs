@@ -2,14 +2,13 @@
 //! question and the settings, so that the verdict is that of the search. In a folder of `--ways`, which belongs to the
 //! project, it is named by the question alone, and outlives changes of the program.
 
-use std::fs;
 use std::path::PathBuf;
 
 use crate::ir::Program;
 use crate::source::Files;
 use crate::suite::{WayName, Ways};
 
-use crate::cli::disk::Disk;
+use crate::cli::disk::{Disk, keep_in_cache, user_cache};
 use crate::cli::report::{program_sha256, sha256};
 
 /// A folder of ways.
@@ -28,10 +27,7 @@ impl WayFolder {
 
     /// The user's cache; none if the system tells no place for it.
     pub fn in_cache() -> Option<Self> {
-        let given = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
-        let cache = given("XDG_CACHE_HOME").or_else(|| given("LOCALAPPDATA"));
-        let cache = cache.or_else(|| given("HOME").map(|home| home.join(".cache")))?;
-        Some(WayFolder { folder: cache.join("hypedc").join("ways"), stem: None })
+        Some(WayFolder { folder: user_cache()?.join("ways"), stem: None })
     }
 
     fn path(&self, program: &Program, name: &WayName<'_>) -> PathBuf {
@@ -53,12 +49,6 @@ impl Ways for WayFolder {
 
     fn keep(&self, program: &Program, name: &WayName<'_>, script: &str) {
         // A way that cannot be kept is searched for again.
-        let _ = fs::create_dir_all(&self.folder);
-        let path = self.path(program, name);
-        let temporary = path.with_extension(format!("{}.tmp", std::process::id()));
-        let written = fs::write(&temporary, format!("{script}\n")).and_then(|()| fs::rename(&temporary, &path));
-        if written.is_err() {
-            let _ = fs::remove_file(&temporary);
-        }
+        keep_in_cache(&self.path(program, name), &format!("{script}\n"));
     }
 }

@@ -6,10 +6,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::ir::{EntityId, Id, IdVec, ModeId, ParamId, Place, VarId};
+use crate::reach::query::Kind;
 use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Term, TermKind};
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::{FileId, Span};
-use crate::syntax::ast::{Item, Name, WorldItem};
+use crate::syntax::ast::{Item, MapSource, Name, SpaceItem, World, WorldItem};
 use crate::syntax::{self};
 
 use crate::lsp::snapshot::Snapshot;
@@ -67,27 +68,46 @@ pub(in crate::lsp) struct CodeLens {
 /// A command of `hypedc`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::lsp) enum LensCommand {
-    /// `hypedc sim`
-    Simulate { world: String },
+    /// `hypedc sim`; whether the world leaves its map open.
+    Simulate { world: String, is_open: bool },
     /// `hypedc reach`
-    Reach { world: String, goal: String },
+    Reach { world: String, kind: Kind, name: String, is_open: bool },
 }
 
-/// The lenses of the worlds and goals of a text.
+/// The lenses of the worlds, goals and `never`s of a text.
 pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
     let (tree, _) = syntax::parse(FileId(0), text.code());
     let mut out = Vec::new();
     for item in &tree.items {
         let Item::World(world) = item else { continue };
-        let name = world.name.text.to_string();
-        out.push(CodeLens { bytes: world.name.span.range(), command: LensCommand::Simulate { world: name.clone() } });
-        let goals = world.items.iter().filter_map(|i| if let WorldItem::Goal(q) = i { Some(q) } else { None });
-        out.extend(goals.map(|goal| CodeLens {
-            bytes: goal.name.span.range(),
-            command: LensCommand::Reach { world: name.clone(), goal: goal.name.text.to_string() },
+        let (name, is_open) = (world.name.text.to_string(), leaves_map_open(world));
+        out.push(CodeLens {
+            bytes: world.name.span.range(),
+            command: LensCommand::Simulate { world: name.clone(), is_open },
+        });
+        out.extend(world.items.iter().filter_map(|item| {
+            let (kind, question) = match item {
+                WorldItem::Goal(question) => (Kind::Goal, question),
+                WorldItem::Never(question) => (Kind::Never, question),
+                _ => return None,
+            };
+            let (world, name) = (name.clone(), question.name.text.to_string());
+            let command = LensCommand::Reach { world, kind, name, is_open };
+            Some(CodeLens { bytes: question.name.span.range(), command })
         }));
     }
     out
+}
+
+/// Whether a world leaves a map to the command line.
+fn leaves_map_open(world: &World) -> bool {
+    let spaces = world.items.iter().filter_map(|item| if let WorldItem::Space(of) = item { Some(of) } else { None });
+    spaces.flat_map(|space| &space.items).any(|item| match item {
+        SpaceItem::Map(map) => {
+            matches!(map.source, MapSource::Open(_) | MapSource::OpenLegend(_) | MapSource::OpenAll(_))
+        }
+        _ => false,
+    })
 }
 
 /// Collects the hints of a file.

@@ -13,6 +13,10 @@ pub(super) struct Client {
     pub watches_files: bool,
     /// Whether it supports `workspace/inlayHint/refresh`.
     pub refreshes_hints: bool,
+    /// Whether it supports `workspace/codeLens/refresh`.
+    pub refreshes_lenses: bool,
+    /// Whether it wants live verdicts.
+    pub wants_verdicts: bool,
     /// Whether it supports snippets in completion items.
     pub has_snippets: bool,
     /// Whether it highlights syntax by its own grammar, so that semantic tokens contain only names.
@@ -37,8 +41,15 @@ impl Client {
             encoding: supported.into_iter().next().unwrap_or_default(),
             watches_files: flag("/workspace/didChangeWatchedFiles/dynamicRegistration"),
             refreshes_hints: flag("/workspace/inlayHint/refreshSupport"),
+            refreshes_lenses: flag("/workspace/codeLens/refreshSupport"),
+            wants_verdicts: wants_verdicts(&params["initializationOptions"]).unwrap_or(true),
             has_grammar: flag("/textDocument/semanticTokens/augmentsSyntaxTokens"),
             has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }
     }
+}
+
+/// The setting `verdicts`, if it is given: in the options of `initialize`, or in the section `hypedc` of settings.
+pub(super) fn wants_verdicts(settings: &Value) -> Option<bool> {
+    settings.get("hypedc").unwrap_or(settings).get("verdicts")?.as_bool()
 }

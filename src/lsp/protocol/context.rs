@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::client::Client;
 use super::tokens::SentTokens;
+use crate::lsp::verdicts::shown::Shown;
 use crate::lsp::view::{Refusal, View};
 
 /// An error response to a request.
@@ -35,6 +36,8 @@ pub(super) struct Context {
     pub client: Client,
     /// The semantic tokens that were last sent.
     pub tokens: SentTokens,
+    /// The live verdicts.
+    pub verdicts: Shown,
 }
 
 impl Context {

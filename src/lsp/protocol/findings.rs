@@ -20,7 +20,7 @@ use crate::lsp::text::document_text::Encoding;
 use crate::source::Span;
 
 /// The diagnostics of a program, by the URI of the document.
-type ByDocument = BTreeMap<String, Vec<ShownDiagnostic>>;
+pub(super) type ByDocument = BTreeMap<String, Vec<ShownDiagnostic>>;
 
 /// The URI of a file: of the document if it was open at compilation, or else of the path.
 fn uri(snapshot: &Snapshot, path: &Path) -> Uri {
@@ -139,6 +139,8 @@ struct ProgramFindings {
     compiling: ByDocument,
     /// From the value analysis: of the current snapshot or, until that is analysed, carried over from an older one.
     values: ByDocument,
+    /// From the verdicts on the current text.
+    verdicts: ByDocument,
 }
 
 /// The diagnostics of all programs, and those that were sent.
@@ -156,13 +158,20 @@ impl Published {
         if is_open {
             let compiling = by_document(new, &new.ide.compilation.diagnostics, encoding);
             let values = before.zip(old).map(|(before, old)| carry_over(&before.values, old, new)).unwrap_or_default();
-            self.programs.insert(new.root.clone(), ProgramFindings { compiling, values });
+            self.programs.insert(new.root.clone(), ProgramFindings { compiling, values, verdicts: ByDocument::new() });
         }
     }
 
     /// Updates a program whose values were analysed.
     pub fn analyzed(&mut self, snapshot: &Snapshot, found: &Diagnostics, encoding: Encoding) {
         self.programs.entry(snapshot.root.clone()).or_default().values = by_document(snapshot, found, encoding);
+    }
+
+    /// Updates what the verdicts on a program find.
+    pub fn asked(&mut self, root: &Path, found: ByDocument) {
+        if let Some(program) = self.programs.get_mut(root) {
+            program.verdicts = found;
+        }
     }
 
     /// Removes a program that was closed or deleted.
@@ -178,7 +187,7 @@ impl Published {
         version: impl Fn(&str) -> Option<i32>,
     ) -> Vec<PublishDiagnosticsParams> {
         let programs = self.programs.iter().filter(|(root, _)| is_open(root));
-        let programs = programs.flat_map(|(_, of)| [&of.compiling, &of.values]);
+        let programs = programs.flat_map(|(_, of)| [&of.compiling, &of.values, &of.verdicts]);
         let mut all = ByDocument::new();
         for (uri, found) in programs.flatten() {
             let known = all.entry(uri.clone()).or_default();

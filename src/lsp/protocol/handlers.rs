@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use gen_lsp_types as types;
 
 use super::context::{Context, Failure};
+use super::lenses::lenses;
 use super::from_protocol::{file_bytes, mode_name, offset, position};
 use super::to_protocol::{self, ToProtocol};
 use super::uri::path_of;
@@ -95,9 +96,8 @@ pub(super) fn code_actions(context: &Context, params: types::CodeActionParams) -
 }
 
 pub(super) fn code_lenses(context: &Context, params: types::CodeLensParams) -> Answer<types::CodeLensRequest> {
-    let Some(Document { uri, text, .. }) = context.document(&params.text_document) else { return Ok(None) };
-    let to = context.to_protocol();
-    Ok(Some(hints::code_lenses(text).iter().map(|lens| to.lens(uri, text, lens)).collect()))
+    let path = path_of(&params.text_document.uri);
+    Ok(context.view.documents.get(&path).map(|document| lenses(context, &path, document)))
 }
 
 pub(super) fn completion(context: &Context, params: types::CompletionParams) -> Answer<types::CompletionRequest> {

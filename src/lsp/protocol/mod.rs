@@ -2,13 +2,18 @@
 //! protocol: `from_protocol` converts parameters; `to_protocol` converts results, `findings` and `tokens` what the server
 //! publishes, all three on top of `positions`.
 
+mod background;
+mod broken;
 mod capabilities;
 mod client;
 mod context;
+mod extensions;
 mod findings;
 mod from_protocol;
 mod handlers;
 mod kinds;
+mod lenses;
+mod live;
 mod positions;
 mod requests;
 mod server;

@@ -19,6 +19,8 @@ pub(super) enum Needs {
     All,
     /// The worker is idle: all findings are published.
     Idle,
+    /// The questions of all open programs are asked: all verdicts are published.
+    Asked,
 }
 
 /// Defines the table. A row has the method, its precondition, its type, and its handler.
@@ -29,6 +31,8 @@ macro_rules! requests {
             match method {
                 $($method => Needs::$needs,)*
                 "hypedc/idle" => Needs::Idle,
+                "hypedc/asked" => Needs::Asked,
+                "hypedc/levels" | "hypedc/chooseLevel" => Needs::Open,
                 _ => Needs::Text,
             }
         }
@@ -40,7 +44,7 @@ macro_rules! requests {
                     $file::$answer(context, params)
                 }),)*
                 // For scripts and tests: the response follows the last findings.
-                "hypedc/idle" => response(request.id, Ok(())),
+                "hypedc/idle" | "hypedc/asked" => response(request.id, Ok(())),
                 "hypedc/text" => context.handle::<TextRequest>(request, |context, params| text(context, params)),
                 method => {
                     let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{method}`"));

@@ -14,17 +14,23 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestI
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::background::Report;
+use super::broken;
 use super::capabilities::{capabilities, watchers};
-use super::client::Client;
+use super::client::{Client, wants_verdicts};
 use super::context::{Context, Failure, response};
+use super::extensions;
 use super::findings::Published;
 use super::from_protocol::{changes, folders};
+use super::live::{Effects, Live};
 use super::requests::{self, Needs};
 use super::tokens::SentTokens;
 use super::uri::path_of;
 use super::worker::{Event, Job, Stages, Worker};
 use crate::lsp::Workspace;
 use crate::lsp::documents::Documents;
+use crate::lsp::verdicts::ask::Budget;
+use crate::lsp::verdicts::shown::Shown;
 use crate::lsp::view::{ProgramState, View};
 
 /// Options of the server.
@@ -32,11 +38,13 @@ use crate::lsp::view::{ProgramState, View};
 pub struct Settings {
     /// The time without changes after which the value analysis starts.
     pub debounce: Duration,
+    /// What a search for a live verdict may use.
+    pub verdict_nodes: u64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { debounce: Duration::from_millis(200) }
+        Settings { debounce: Duration::from_millis(200), verdict_nodes: Budget::default().nodes }
     }
 }
 
@@ -67,6 +75,7 @@ pub struct Server {
     last_request: i32,
     /// The programs with a reported panic, until they are compiled again.
     failed: BTreeSet<PathBuf>,
+    live: Live,
 }
 
 impl Server {
@@ -97,11 +106,16 @@ impl Server {
             debounce: settings.debounce,
         };
         let thread = std::thread::spawn(move || worker.run());
+        let budget = Budget { nodes: settings.verdict_nodes, ..Budget::default() };
+        let (live, background, reports) =
+            Live::new(client.wants_verdicts, budget, Arc::clone(&disk), Arc::clone(&has_ended));
+        let background_thread = std::thread::spawn(move || background.run());
         let mut server = Server {
             context: Context {
                 client,
                 view: View { documents: Documents::default(), programs: BTreeMap::new(), last_rename: None, disk },
                 tokens: SentTokens::default(),
+                verdicts: Shown::default(),
             },
             sender,
             published: Published::default(),
@@ -118,17 +132,19 @@ impl Server {
             has_shut_down: false,
             last_request: 0,
             failed: BTreeSet::new(),
+            live,
         };
         server.respond(id, Ok(result));
-        let was_shut_down = server.run(&receiver, &events);
+        let was_shut_down = server.run(&receiver, &events, &reports);
         has_ended.store(true, Ordering::Relaxed);
         drop(server);
-        drop(events);
+        drop((events, reports));
         let _ = thread.join();
+        let _ = background_thread.join();
         was_shut_down
     }
 
-    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>) -> bool {
+    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>, reports: &Receiver<Report>) -> bool {
         loop {
             self.submit_job();
             select! {
@@ -148,6 +164,10 @@ impl Server {
                     let Ok(event) = event else { return false };
                     self.event(event);
                 }
+                recv(reports) -> report => {
+                    let Ok(report) = report else { return false };
+                    self.report(report);
+                }
             }
         }
     }
@@ -158,6 +178,9 @@ impl Server {
             return;
         }
         self.revision += 1;
+        self.live.changed(self.revision);
+        let outdated = self.context.verdicts.changed(&self.changed);
+        outdated.iter().for_each(|root| self.show_verdicts(root));
         let job = Job {
             revision: self.revision,
             open: Arc::clone(self.context.view.documents.all()),
@@ -177,7 +200,10 @@ impl Server {
     fn read_again(&mut self) {
         let View { documents, programs, .. } = &self.context.view;
         let open = programs.values().filter(|state| documents.get(&state.current.root).is_some());
-        let files = open.flat_map(|state| state.current.dependencies.iter());
+        let verdicts = &self.context.verdicts;
+        let files = open.flat_map(|state| {
+            state.current.dependencies.iter().chain(verdicts.dependencies(&state.current.root))
+        });
         let unseen: Vec<PathBuf> = files.filter(|path| documents.get(path).is_none()).cloned().collect();
         unseen.into_iter().for_each(|path| self.mark_changed(path));
     }
@@ -213,6 +239,7 @@ impl Server {
             Needs::Open => current(self.open_compiled),
             Needs::All => current(self.all_compiled),
             Needs::Idle => current(self.idle),
+            Needs::Asked => current(self.idle) && self.live.is_asked(self.revision),
         }
     }
 
@@ -298,6 +325,16 @@ impl Server {
                 if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
                     self.waiting.remove(at);
                     self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
+                } else if self.live.cancel(&id) {
+                    self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
+                }
+            }
+            "workspace/didChangeConfiguration" => {
+                let wanted = wants_verdicts(&params["settings"]);
+                if let Some(is_on) = wanted.filter(|is_on| *is_on != self.live.is_on) {
+                    self.live.is_on = is_on;
+                    self.forget_verdicts(|_| is_on);
+                    self.ask();
                 }
             }
             _ => {}
@@ -344,6 +381,7 @@ impl Server {
             }
             Event::Idle(revision) => {
                 self.idle = Some(revision);
+                self.ask();
                 self.resume();
             }
             Event::Analyzed(snapshot, found) => {
@@ -365,6 +403,60 @@ impl Server {
                 }
             }
         }
+    }
+
+    /// Asks the questions of the open programs, once all findings about them are known.
+    fn ask(&mut self) {
+        let Server { context, live, .. } = self;
+        if !self.has_unsent_changes && self.idle == Some(self.revision) {
+            live.ask(context, self.revision);
+            let open: BTreeSet<PathBuf> = context.view.documents.all().keys().cloned().collect();
+            self.forget_verdicts(|path| open.contains(path));
+        }
+    }
+
+    /// Forgets the verdicts of programs that are no longer shown.
+    fn forget_verdicts(&mut self, is_kept: impl Fn(&Path) -> bool) {
+        for root in self.context.verdicts.retain(is_kept) {
+            self.published.asked(&root, BTreeMap::new());
+            self.show_verdicts(&root);
+        }
+        self.publish();
+    }
+
+    /// Takes a report of the background thread.
+    fn report(&mut self, report: Report) {
+        let (effects, response) = self.live.report(&mut self.context, report, self.revision);
+        let Effects { shown, failed, asks_again } = effects;
+        for root in &shown {
+            self.show_verdicts(root);
+            let program = self.context.verdicts.program(root);
+            let found = program.map(|program| broken::findings(root, program, self.context.client.encoding));
+            self.published.asked(root, found.unwrap_or_default());
+        }
+        if !shown.is_empty() {
+            self.publish();
+            if self.context.client.refreshes_lenses {
+                self.send_request("workspace/codeLens/refresh", Value::Null);
+            }
+        }
+        if let Some(response) = response {
+            let _ = self.sender.send(response.into());
+        }
+        if let Some((path, why)) = failed {
+            self.event(Event::Failed(path, why));
+        }
+        if asks_again {
+            self.ask();
+        }
+        self.resume();
+    }
+
+    /// Tells the editor the verdicts of a program, for clients that show them in their own way.
+    fn show_verdicts(&self, root: &Path) {
+        let Some(program) = self.context.verdicts.program(root) else { return };
+        let params = extensions::verdicts(root, program, self.context.client.encoding);
+        let _ = self.sender.send(Notification { method: "hypedc/verdicts".into(), params }.into());
     }
 
     /// Sends an error message to the editor: to its log, or as a pop-up.
@@ -402,6 +494,10 @@ impl Server {
 
     /// Sends the response of the handler of a request.
     fn dispatch(&mut self, request: Request) {
+        let request = match self.live.take(&self.context, request) {
+            Ok(response) => return response.into_iter().for_each(|response| drop(self.sender.send(response.into()))),
+            Err(request) => request,
+        };
         let response = requests::dispatch(&mut self.context, request);
         let _ = self.sender.send(response.into());
     }

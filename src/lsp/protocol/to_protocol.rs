@@ -19,7 +19,7 @@ use crate::lsp::features::actions::{ActionKind, CodeAction};
 use crate::lsp::features::completion::Completions;
 use crate::lsp::features::completion_items::{CompletionItem, Insert};
 use crate::lsp::features::hierarchy::CallItem;
-use crate::lsp::features::hints::{CodeLens, HintKind, InlayHint, LensCommand};
+use crate::lsp::features::hints::{HintKind, InlayHint};
 use crate::lsp::features::hover::Hover;
 use crate::lsp::features::navigate::{Definition, Highlight, Link, WorkspaceSymbol};
 use crate::lsp::features::rename::Renamable;
@@ -169,21 +169,6 @@ impl ToProtocol<'_> {
             text_edits: None,
             tooltip: None,
             padding_right: None,
-            data: None,
-        }
-    }
-
-    pub fn lens(self, uri: &str, text: &Text, lens: &CodeLens) -> types::CodeLens {
-        let (title, command, arguments) = match &lens.command {
-            LensCommand::Simulate { world } => ("▶ simulate", "hypedc.sim", vec![json!(uri), json!(world)]),
-            LensCommand::Reach { world, goal } => {
-                ("▶ search for this goal", "hypedc.reach", vec![json!(uri), json!(world), json!(goal)])
-            }
-        };
-        let (title, command, arguments) = (title.into(), command.into(), Some(arguments));
-        types::CodeLens {
-            range: self.range(text, &lens.bytes),
-            command: Some(types::Command { title, tooltip: None, command, arguments }),
             data: None,
         }
     }

@@ -16,9 +16,9 @@ use super::way::way_end;
 use super::words::Describer;
 
 /// A state with the inputs that lead to it.
-struct Replayed {
-    script: Script,
-    state: State,
+pub(super) struct Replayed {
+    pub script: Script,
+    pub state: State,
 }
 
 /// Why a goal was not reached, by what a search of some nodes found out; `kept` steps of all inputs were given. `None`
@@ -99,7 +99,7 @@ pub(super) fn column(space: &Space, x: f64) -> Option<usize> {
 }
 
 /// Where the first player is in a state.
-fn point(problem: &Problem<'_>, Replayed { script, state }: &Replayed) -> Point {
+pub(super) fn point(problem: &Problem<'_>, Replayed { script, state }: &Replayed) -> Point {
     let (sim, step) = (problem.sim, script.len());
     let player = problem.players().first().copied();
     let (x, y) = player.map_or((0.0, 0.0), |player| sim.position(state, player));

@@ -14,11 +14,13 @@
 //! | `tracker`, `gauge` | what a search keeps: nearest states, jumps, places of rest |
 //! | `record` | the explanation as plain data |
 //! | `explain` | from what a search kept to the record |
+//! | `astray` | where inputs lead that missed the target |
 //! | `way` | where the way in the direction of the goal ends |
 //! | `closed` | rooms and modes that were never entered |
 //! | `words` | distances in words |
 
 mod approach;
+mod astray;
 mod closed;
 mod contact;
 mod explain;
@@ -31,6 +33,7 @@ mod unit;
 mod way;
 mod words;
 
+pub use astray::{Astray, AstrayEnd, astray};
 pub use record::{Barrier, ClosedMode, ClosedRoom, NearState, PartNearest, PartState, Point, WayEnd, WhyNot};
 pub use tracker::{Near, Nearest};
 

@@ -3,6 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::words::distance_words;
+
 /// Why a goal was not reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
@@ -32,6 +34,11 @@ impl PartState {
     /// Its text with what it lacks.
     pub fn phrase(&self) -> String {
         if self.text.is_empty() { self.words.clone() } else { format!("`{}` {}", self.text, self.words) }
+    }
+
+    /// How far it is from holding, with its unit; `None` if there is no measure, and if it is at the limit.
+    pub fn distance_words(&self) -> Option<String> {
+        self.distance.filter(|distance| *distance > 0.0).map(|distance| distance_words(distance, &self.unit))
     }
 }
 

@@ -1,0 +1,287 @@
+//! The thread of all work that is below everything else: live verdicts, and errands that take long. It does one thing at a
+//! time. A newer state of the documents stops what is about an older one; an errand comes before verdicts.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use crossbeam_channel::{Receiver, Sender};
+use lsp_server::RequestId;
+
+use crate::ir::{Program, WorldId};
+use crate::json::{self, Layout};
+use crate::lsp::Workspace;
+use crate::lsp::snapshot::Snapshot;
+use crate::lsp::verdicts::ask::{Asked, Budget, Subject, ask_world};
+use crate::lsp::verdicts::level::{Candidate, ChosenLevel, candidates};
+use crate::lsp::verdicts::memory::Memory;
+use crate::lsp::verdicts::verdict::{Question, Verdict};
+use crate::source::{FileId, SourceMap};
+use crate::watch::Watch;
+
+use super::worker::message;
+
+/// Work for the thread.
+pub(super) enum Task {
+    /// Asks the questions of the open programs without errors, as of a revision; or only recalls what is remembered of them.
+    Ask { revision: u64, programs: Vec<Arc<Snapshot>>, only_recalls: bool },
+    /// Answers a request.
+    Errand(Box<Errand>),
+}
+
+/// A request that takes long.
+pub(super) struct Errand {
+    pub id: RequestId,
+    /// The program as of the request.
+    pub snapshot: Arc<Snapshot>,
+    /// Set if the answer is no longer wanted.
+    pub is_cancelled: Arc<AtomicBool>,
+    pub what: What,
+}
+
+/// What a request asks for.
+pub(super) enum What {
+    /// The levels that fit.
+    Levels,
+    /// Chooses a level for the open map of a world.
+    Choose { world: String, level: Option<ChosenLevel> },
+}
+
+/// What an errand has found; `Stopped` if it was stopped.
+pub(super) enum Brought {
+    Levels(Vec<Candidate>),
+    Nothing,
+    Stopped,
+}
+
+/// An event of the thread.
+pub(super) enum Report {
+    /// What is remembered of a program: the levels that were chosen, and verdicts about an older text.
+    Recalled(PathBuf, BTreeMap<String, ChosenLevel>, Vec<(Question, Verdict)>),
+    /// The levels that were chosen for a program.
+    Levels(PathBuf, BTreeMap<String, ChosenLevel>),
+    /// Verdicts about a program, as of a revision; and the files that were read besides those of the snapshot.
+    Asked { revision: u64, snapshot: Arc<Snapshot>, read: BTreeSet<PathBuf>, asked: Vec<Asked> },
+    /// All questions of all open programs are asked as of a revision.
+    AllAsked(u64),
+    /// The answer of an errand.
+    Brought(RequestId, Brought),
+    /// The work about a program panicked, with a message.
+    Failed(PathBuf, String),
+}
+
+/// What is known about a program.
+struct ProgramMemory {
+    memory: Memory,
+    /// By world: what it meant when all its questions were asked, and the verdicts.
+    asked: BTreeMap<String, (Vec<u8>, Vec<Asked>)>,
+}
+
+pub(super) struct Background {
+    pub tasks: Receiver<Task>,
+    pub reports: Sender<Report>,
+    pub disk: Arc<dyn Workspace>,
+    pub budget: Budget,
+    /// The newest revision of the documents.
+    pub newest: Arc<AtomicU64>,
+    /// Set when the server has ended.
+    pub has_ended: Arc<AtomicBool>,
+}
+
+/// Stops the work about verdicts for newer documents, and for an errand.
+struct AskWatch<'a>(&'a Background, u64);
+
+impl Watch for AskWatch<'_> {
+    fn stop(&self) -> bool {
+        let AskWatch(background, revision) = self;
+        !background.tasks.is_empty() || background.is_outdated(*revision)
+    }
+}
+
+/// Stops an errand whose answer is no longer wanted.
+struct ErrandWatch<'a>(&'a Background, &'a AtomicBool);
+
+impl Watch for ErrandWatch<'_> {
+    fn stop(&self) -> bool {
+        self.1.load(Ordering::Relaxed) || self.0.has_ended.load(Ordering::Relaxed)
+    }
+}
+
+impl Background {
+    /// Runs until the server has ended.
+    pub fn run(self) {
+        let mut programs: BTreeMap<PathBuf, ProgramMemory> = BTreeMap::new();
+        let mut unasked: Option<(u64, Vec<Arc<Snapshot>>)> = None;
+        loop {
+            let task = match unasked.is_some() {
+                true => self.tasks.try_recv().ok(),
+                false => match self.tasks.recv() {
+                    Ok(task) => Some(task),
+                    Err(_) => return,
+                },
+            };
+            match task {
+                Some(Task::Ask { programs: open, only_recalls: true, .. }) => {
+                    unasked = None;
+                    for snapshot in &open {
+                        self.program(snapshot, &mut programs);
+                    }
+                }
+                Some(Task::Ask { revision, programs: open, .. }) => unasked = Some((revision, open)),
+                Some(Task::Errand(errand)) => self.errand(*errand, &mut programs),
+                None => {}
+            }
+            if self.has_ended.load(Ordering::Relaxed) {
+                return;
+            }
+            if self.tasks.is_empty()
+                && let Some((revision, open)) = unasked.take()
+                && self.ask(revision, &open, &mut programs).is_none()
+                && !self.is_outdated(revision)
+            {
+                // An errand came between.
+                unasked = Some((revision, open));
+            }
+        }
+    }
+
+    fn is_outdated(&self, revision: u64) -> bool {
+        self.newest.load(Ordering::Relaxed) != revision || self.has_ended.load(Ordering::Relaxed)
+    }
+
+    fn send(&self, report: Report) {
+        // The server has ended if this fails.
+        let _ = self.reports.send(report);
+    }
+
+    /// What is known about a program; read from the cache when it is first needed.
+    fn program<'p>(&self, snapshot: &Snapshot, all: &'p mut BTreeMap<PathBuf, ProgramMemory>) -> &'p mut ProgramMemory {
+        all.entry(snapshot.root.clone()).or_insert_with(|| {
+            let memory = Memory::recall(&snapshot.root, &*self.disk);
+            let last = memory.last().map(|(question, verdict)| (question.clone(), verdict.clone()));
+            self.send(Report::Recalled(snapshot.root.clone(), memory.levels.clone(), last.collect()));
+            ProgramMemory { memory, asked: BTreeMap::new() }
+        })
+    }
+
+    /// Asks the questions of some programs; `None` if it is stopped.
+    fn ask(&self, revision: u64, open: &[Arc<Snapshot>], all: &mut BTreeMap<PathBuf, ProgramMemory>) -> Option<()> {
+        let watch = AskWatch(self, revision);
+        for snapshot in open {
+            let known = self.program(snapshot, all);
+            let before = known.memory.clone();
+            let ask = || self.ask_program(revision, snapshot, known, &watch);
+            let done = catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|panic| {
+                self.send(Report::Failed(snapshot.root.clone(), message(&*panic)));
+                Some(())
+            });
+            if known.memory != before {
+                known.memory.remember(&snapshot.root, &*self.disk);
+            }
+            done?;
+        }
+        self.send(Report::AllAsked(revision));
+        Some(())
+    }
+
+    fn ask_program(
+        &self,
+        revision: u64,
+        snapshot: &Arc<Snapshot>,
+        known: &mut ProgramMemory,
+        watch: &dyn Watch,
+    ) -> Option<()> {
+        let compilation = &snapshot.ide.compilation;
+        let Some(program) = &compilation.program else { return Some(()) };
+        for (world, table) in program.worlds.pairs() {
+            // The worlds of imported files are asked about where these are open.
+            if program.spans.worlds[world].name.file() != FileId(0) {
+                continue;
+            }
+            if table.open.is_none() {
+                let subject = Subject { program, sources: &compilation.sources, world, level: "" };
+                self.ask_world((revision, snapshot, &BTreeSet::new()), subject, known, watch)?;
+                continue;
+            }
+            let Some(level) = known.memory.levels.get(&table.name).cloned() else { continue };
+            let (compilation, read) = snapshot.with_level(level.file(), &*self.disk);
+            let Some(program) = &compilation.program else { continue };
+            let Some(world) = program.world_named(&table.name) else { continue };
+            let name = level.name(&snapshot.root);
+            let subject = Subject { program, sources: &compilation.sources, world, level: &name };
+            self.ask_world((revision, snapshot, &read), subject, known, watch)?;
+        }
+        Some(())
+    }
+
+    /// Asks the questions of a world, unless it means what it meant when they were asked before.
+    fn ask_world(
+        &self,
+        (revision, snapshot, read): (u64, &Arc<Snapshot>, &BTreeSet<PathBuf>),
+        subject: Subject<'_>,
+        known: &mut ProgramMemory,
+        watch: &dyn Watch,
+    ) -> Option<()> {
+        let report = |asked: Vec<Asked>| {
+            let (snapshot, read) = (Arc::clone(snapshot), read.clone());
+            self.send(Report::Asked { revision, snapshot, read, asked });
+        };
+        let name = &subject.program.worlds[subject.world].name;
+        let meaning = meaning(subject);
+        if let Some((_, asked)) = known.asked.get(name).filter(|(before, _)| Some(before) == meaning.as_ref()) {
+            report(asked.clone());
+            return Some(());
+        }
+        known.asked.remove(name);
+        let mut all: Vec<Asked> = Vec::new();
+        let done = ask_world(subject, &known.memory, self.budget, watch, &mut |asked| {
+            all.extend(asked.iter().cloned());
+            report(asked);
+        });
+        all.iter().for_each(|asked| known.memory.keep(&asked.question, &asked.verdict));
+        done?;
+        known.asked.extend(meaning.map(|meaning| (name.clone(), (meaning, all))));
+        Some(())
+    }
+
+    fn errand(&self, errand: Errand, all: &mut BTreeMap<PathBuf, ProgramMemory>) {
+        let Errand { id, snapshot, is_cancelled, what } = errand;
+        let watch = ErrandWatch(self, &is_cancelled);
+        let known = self.program(&snapshot, all);
+        let work = || match what {
+            What::Levels => candidates(&snapshot, &*self.disk, &watch).map(Brought::Levels),
+            What::Choose { world, level } => {
+                known.asked.remove(&world);
+                match level {
+                    Some(level) => known.memory.levels.insert(world, level),
+                    None => known.memory.levels.remove(&world),
+                };
+                known.memory.remember(&snapshot.root, &*self.disk);
+                self.send(Report::Levels(snapshot.root.clone(), known.memory.levels.clone()));
+                Some(Brought::Nothing)
+            }
+        };
+        let brought = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+            self.send(Report::Failed(snapshot.root.clone(), message(&*panic)));
+            None
+        });
+        self.send(Report::Brought(id, brought.unwrap_or(Brought::Stopped)));
+    }
+}
+
+/// Equal bytes for worlds with the same verdicts in the same words.
+fn meaning(Subject { program, sources, world, level }: Subject<'_>) -> Option<Vec<u8>> {
+    let mut bytes = json::bytes(&program.meaning(), Layout::Compact).ok()?;
+    bytes.extend(level.as_bytes());
+    bytes.extend(predicates(program, sources, world).into_bytes());
+    Some(bytes)
+}
+
+/// The texts of the predicates that are asked about.
+fn predicates(program: &Program, sources: &SourceMap, world: WorldId) -> String {
+    let table = &program.worlds[world];
+    let all = table.goals.iter().chain(table.nevers.iter()).map(|of| program.spans.exprs[of.holds]);
+    all.filter(|span| sources.holds(*span)).map(|span| format!("\n{}", sources.slice(span))).collect()
+}

@@ -1,0 +1,83 @@
+//! Findings of the verdicts: an edit has broken what was so before. A warning only if that is a fact: proven, or shown by
+//! inputs that were replayed.
+
+use std::path::Path;
+
+use gen_lsp_types::{Code, Diagnostic, DiagnosticSeverity};
+use serde_json::json;
+
+use super::extensions::range;
+use super::findings::ByDocument;
+use super::uri::uri_of;
+use crate::lsp::text::document_text::Encoding;
+use crate::lsp::verdicts::shown::{ShownProgram, ShownVerdict};
+use crate::reach::Conclusion;
+use crate::reach::query::Kind;
+
+/// The findings of the verdicts on a program.
+pub(super) fn findings(root: &Path, program: &ShownProgram, encoding: Encoding) -> ByDocument {
+    let mut out = ByDocument::new();
+    let Some(about) = &program.about else { return out };
+    let uri = about.document(root).map_or_else(|| uri_of(root).0, |document| document.uri.clone());
+    let found = program.verdicts.iter().filter(|shown| shown.is_current);
+    let found: Vec<Diagnostic> = found.filter_map(|shown| finding(program, shown, encoding)).collect();
+    if !found.is_empty() {
+        out.insert(uri, found);
+    }
+    out
+}
+
+fn finding(program: &ShownProgram, shown: &ShownVerdict, encoding: Encoding) -> Option<Diagnostic> {
+    let (question, verdict) = (&shown.asked.question, &shown.asked.verdict);
+    let broken = shown.asked.broken.as_ref()?;
+    let name = &question.name;
+    let (code, severity, message) = match (question.kind, verdict.conclusion) {
+        (Kind::Never, _) => {
+            let seconds = verdict.way.as_ref()?.seconds;
+            let message =
+                format!("this edit broke `never {name}`: it was proven before, and inputs break it in {seconds:.2} s now");
+            ("broken-never", DiagnosticSeverity::Warning, message)
+        }
+        (Kind::Goal, Conclusion::ProvenUnreachable) => {
+            let why = verdict.reasons.first().map_or(String::new(), |why| format!(": {why}"));
+            let message = format!(
+                "this edit broke `goal {name}`: it was reached in {:.2} s before, and is proven unreachable now{why}",
+                broken.seconds
+            );
+            ("broken-goal", DiagnosticSeverity::Warning, message)
+        }
+        (Kind::Goal, _) => {
+            let open = match verdict.conclusion {
+                Conclusion::Exhausted => "no inputs with axes at -1, 0 and 1 do, which is no proof".to_string(),
+                Conclusion::Error => verdict.reasons.first().cloned().unwrap_or_default(),
+                _ => format!("{} nodes of a search found no others, which proves nothing", verdict.nodes),
+            };
+            let message = format!(
+                "the inputs that reached `goal {name}` in {:.2} s no longer do; {open}",
+                broken.seconds
+            );
+            ("lost-way", DiagnosticSeverity::Information, message)
+        }
+    };
+    let message = match &broken.fails {
+        Some((_, how)) => format!("{message}\nThe inputs from before: {how}"),
+        None => message,
+    };
+    let inputs = broken.inputs.as_ref().or(verdict.way.as_ref().map(|way| &way.inputs));
+    Some(Diagnostic {
+        range: range(program, shown, encoding)?,
+        severity: Some(severity),
+        code: Some(Code::String(code.into())),
+        code_description: None,
+        source: Some("hypedc".into()),
+        message: message.into(),
+        tags: None,
+        related_information: None,
+        data: Some(json!({
+            "world": question.world,
+            "name": name,
+            "inputs": inputs,
+            "failsAtStep": broken.fails.as_ref().map(|(step, _)| step),
+        })),
+    })
+}

@@ -6,9 +6,11 @@
 mod client;
 mod current;
 mod edits;
+mod levels;
 mod names;
 mod service;
 mod session;
+mod verdicts;
 mod writing;
 
 use serde_json::json;

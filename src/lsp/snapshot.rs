@@ -77,11 +77,14 @@ impl Snapshot {
         Snapshot::new(root, open, ide, files.requested.into_inner())
     }
 
-    /// Compiles the program with a level for its open maps, from the texts that the snapshot was compiled from. Returns the
-    /// files that it read, too.
-    pub fn with_level(&self, level: LevelFile<'_>, disk: &dyn Workspace) -> (Compilation, BTreeSet<PathBuf>) {
-        let files = Overlay { open: &self.open, disk, requested: RefCell::default() };
-        let compilation = compile_with(&self.root, level, &files);
+    /// Compiles a program with a level for its open maps. Returns the files that it read, too.
+    pub fn with_level(
+        root: &Path,
+        level: LevelFile<'_>,
+        (open, disk): (&OpenDocuments, &dyn Workspace),
+    ) -> (Compilation, BTreeSet<PathBuf>) {
+        let files = Overlay { open, disk, requested: RefCell::default() };
+        let compilation = compile_with(root, level, &files);
         (compilation, files.requested.into_inner())
     }
 

@@ -46,6 +46,10 @@ pub struct Client {
     pub published: Vec<(String, Value)>,
     /// All messages that came: how, and what they say.
     pub messages: Vec<(String, String)>,
+    /// All verdicts that came, in order: the parameters of `hypedc/verdicts`.
+    pub verdicts: Vec<Value>,
+    /// The requests of the server that came.
+    pub asked: Vec<String>,
 }
 
 impl Client {
@@ -57,8 +61,13 @@ impl Client {
 
     /// An editor whose server reads a given disk.
     pub fn start_on(disk: Arc<dyn Workspace>, capabilities: Value) -> Self {
+        Client::start_with(disk, capabilities, Value::Null, Settings::default())
+    }
+
+    /// An editor with options of its own, whose server does not wait before it analyses.
+    pub fn start_with(disk: Arc<dyn Workspace>, capabilities: Value, options: Value, settings: Settings) -> Self {
         let (ours, theirs) = Connection::memory();
-        let settings = Settings { debounce: Duration::ZERO };
+        let settings = Settings { debounce: Duration::ZERO, ..settings };
         let server = std::thread::spawn(move || Server::serve(theirs, disk, settings));
         let mut client = Client {
             connection: ours,
@@ -69,10 +78,13 @@ impl Client {
             shown: BTreeMap::new(),
             published: Vec::new(),
             messages: Vec::new(),
+            verdicts: Vec::new(),
+            asked: Vec::new(),
         };
         let folders = json!([{ "uri": "file:///game", "name": "game" }]);
         let params = json!({
             "processId": null, "rootUri": null, "capabilities": capabilities, "workspaceFolders": folders,
+            "initializationOptions": options,
         });
         client.capabilities = client.request("initialize", params).unwrap();
         client.notify("initialized", json!({}));
@@ -123,6 +135,8 @@ impl Client {
                 Message::Notification(note) if note.method.ends_with("Message") => {
                     self.messages.push((note.method, note.params["message"].as_str().unwrap().to_string()));
                 }
+                Message::Notification(note) if note.method == "hypedc/verdicts" => self.verdicts.push(note.params),
+                Message::Request(request) => self.asked.push(request.method),
                 _ => {}
             }
         }
@@ -156,6 +170,18 @@ impl Client {
     /// Waits until the server has nothing left to do.
     pub fn settle(&mut self) {
         self.request("hypedc/idle", Value::Null).unwrap();
+    }
+
+    /// Waits until all questions of the newest texts are asked.
+    pub fn asked(&mut self) {
+        self.request("hypedc/asked", Value::Null).unwrap();
+    }
+
+    /// The titles of the code lenses of a document, with their commands.
+    pub fn lenses(&mut self, uri: &str) -> Vec<(String, Value)> {
+        let lenses = self.request("textDocument/codeLens", json!({ "textDocument": { "uri": uri } })).unwrap();
+        let lens = |lens: &Value| (lens["command"]["title"].as_str().unwrap().to_string(), lens["command"].clone());
+        lenses.as_array().unwrap().iter().map(lens).collect()
     }
 
     /// Ends the server; gives whether it ended in order.

@@ -13,6 +13,7 @@ use lsp_server::RequestId;
 use crate::ir::{Program, WorldId};
 use crate::json::{self, Layout};
 use crate::lsp::Workspace;
+use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::verdicts::ask::{Asked, Budget, Subject, ask_world};
 use crate::lsp::verdicts::level::{Candidate, ChosenLevel, candidates};
@@ -26,9 +27,17 @@ use super::worker::message;
 /// Work for the thread.
 pub(super) enum Task {
     /// Asks the questions of the open programs without errors, as of a revision; or only recalls what is remembered of them.
-    Ask { revision: u64, programs: Vec<Arc<Snapshot>>, only_recalls: bool },
+    Ask { job: Job, only_recalls: bool },
     /// Answers a request.
     Errand(Box<Errand>),
+}
+
+/// The open programs without errors.
+pub(super) struct Job {
+    pub revision: u64,
+    pub programs: Vec<Arc<Snapshot>>,
+    /// All open documents.
+    pub open: Arc<OpenDocuments>,
 }
 
 /// A request that takes long.
@@ -36,6 +45,8 @@ pub(super) struct Errand {
     pub id: RequestId,
     /// The program as of the request.
     pub snapshot: Arc<Snapshot>,
+    /// All open documents.
+    pub open: Arc<OpenDocuments>,
     /// Set if the answer is no longer wanted.
     pub is_cancelled: Arc<AtomicBool>,
     pub what: What,
@@ -113,7 +124,7 @@ impl Background {
     /// Runs until the server has ended.
     pub fn run(self) {
         let mut programs: BTreeMap<PathBuf, ProgramMemory> = BTreeMap::new();
-        let mut unasked: Option<(u64, Vec<Arc<Snapshot>>)> = None;
+        let mut unasked: Option<Job> = None;
         loop {
             let task = match unasked.is_some() {
                 true => self.tasks.try_recv().ok(),
@@ -123,13 +134,13 @@ impl Background {
                 },
             };
             match task {
-                Some(Task::Ask { programs: open, only_recalls: true, .. }) => {
+                Some(Task::Ask { job, only_recalls: true }) => {
                     unasked = None;
-                    for snapshot in &open {
+                    for snapshot in &job.programs {
                         self.program(snapshot, &mut programs);
                     }
                 }
-                Some(Task::Ask { revision, programs: open, .. }) => unasked = Some((revision, open)),
+                Some(Task::Ask { job, .. }) => unasked = Some(job),
                 Some(Task::Errand(errand)) => self.errand(*errand, &mut programs),
                 None => {}
             }
@@ -137,12 +148,12 @@ impl Background {
                 return;
             }
             if self.tasks.is_empty()
-                && let Some((revision, open)) = unasked.take()
-                && self.ask(revision, &open, &mut programs).is_none()
-                && !self.is_outdated(revision)
+                && let Some(job) = unasked.take()
+                && self.ask(&job, &mut programs).is_none()
+                && !self.is_outdated(job.revision)
             {
                 // An errand came between.
-                unasked = Some((revision, open));
+                unasked = Some(job);
             }
         }
     }
@@ -167,12 +178,12 @@ impl Background {
     }
 
     /// Asks the questions of some programs; `None` if it is stopped.
-    fn ask(&self, revision: u64, open: &[Arc<Snapshot>], all: &mut BTreeMap<PathBuf, ProgramMemory>) -> Option<()> {
-        let watch = AskWatch(self, revision);
-        for snapshot in open {
+    fn ask(&self, job: &Job, all: &mut BTreeMap<PathBuf, ProgramMemory>) -> Option<()> {
+        let watch = AskWatch(self, job.revision);
+        for snapshot in &job.programs {
             let known = self.program(snapshot, all);
             let before = known.memory.clone();
-            let ask = || self.ask_program(revision, snapshot, known, &watch);
+            let ask = || self.ask_program(job, snapshot, known, &watch);
             let done = catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|panic| {
                 self.send(Report::Failed(snapshot.root.clone(), message(&*panic)));
                 Some(())
@@ -182,13 +193,13 @@ impl Background {
             }
             done?;
         }
-        self.send(Report::AllAsked(revision));
+        self.send(Report::AllAsked(job.revision));
         Some(())
     }
 
     fn ask_program(
         &self,
-        revision: u64,
+        job: &Job,
         snapshot: &Arc<Snapshot>,
         known: &mut ProgramMemory,
         watch: &dyn Watch,
@@ -202,16 +213,16 @@ impl Background {
             }
             if table.open.is_none() {
                 let subject = Subject { program, sources: &compilation.sources, world, level: "" };
-                self.ask_world((revision, snapshot, &BTreeSet::new()), subject, known, watch)?;
+                self.ask_world((job.revision, snapshot, &BTreeSet::new()), subject, known, watch)?;
                 continue;
             }
             let Some(level) = known.memory.levels.get(&table.name).cloned() else { continue };
-            let (compilation, read) = snapshot.with_level(level.file(), &*self.disk);
+            let (compilation, read) = Snapshot::with_level(&snapshot.root, level.file(), (&job.open, &*self.disk));
             let Some(program) = &compilation.program else { continue };
             let Some(world) = program.world_named(&table.name) else { continue };
             let name = level.name(&snapshot.root);
             let subject = Subject { program, sources: &compilation.sources, world, level: &name };
-            self.ask_world((revision, snapshot, &read), subject, known, watch)?;
+            self.ask_world((job.revision, snapshot, &read), subject, known, watch)?;
         }
         Some(())
     }
@@ -247,11 +258,11 @@ impl Background {
     }
 
     fn errand(&self, errand: Errand, all: &mut BTreeMap<PathBuf, ProgramMemory>) {
-        let Errand { id, snapshot, is_cancelled, what } = errand;
+        let Errand { id, snapshot, open, is_cancelled, what } = errand;
         let watch = ErrandWatch(self, &is_cancelled);
         let known = self.program(&snapshot, all);
         let work = || match what {
-            What::Levels => candidates(&snapshot, &*self.disk, &watch).map(Brought::Levels),
+            What::Levels => candidates(&snapshot.root, (&open, &*self.disk), &watch).map(Brought::Levels),
             What::Choose { world, level } => {
                 known.asked.remove(&world);
                 match level {

@@ -11,7 +11,7 @@ use gen_lsp_types::Uri;
 use lsp_server::{ErrorCode, Request, RequestId, Response};
 use serde_json::Value;
 
-use super::background::{Background, Brought, Errand, Report, Task, What};
+use super::background::{Background, Brought, Errand, Job, Report, Task, What};
 use super::context::{Context, Failure, response};
 use super::extensions::{self, ChooseLevelParams, WorldParams};
 use super::uri::path_of;
@@ -85,8 +85,8 @@ impl Live {
         let view = &context.view;
         let open = view.programs.values().map(|state| &state.current);
         let open = open.filter(|of| view.documents.get(&of.root).is_some() && of.is_error_free());
-        let programs = open.cloned().collect();
-        let _ = self.tasks.send(Task::Ask { revision, programs, only_recalls: !self.is_on });
+        let (programs, open) = (open.cloned().collect(), Arc::clone(view.documents.all()));
+        let _ = self.tasks.send(Task::Ask { job: Job { revision, programs, open }, only_recalls: !self.is_on });
     }
 
     /// Takes a request that the background thread answers. Returns a response if it is answered at once; `Err` gives back
@@ -104,7 +104,8 @@ impl Live {
         let is_cancelled = Arc::new(AtomicBool::new(false));
         let pending = PendingErrand { is_cancelled: Arc::clone(&is_cancelled), root: snapshot.root.clone(), world };
         self.errands.insert(id.clone(), pending);
-        let _ = self.tasks.send(Task::Errand(Box::new(Errand { id, snapshot, is_cancelled, what })));
+        let open = Arc::clone(context.view.documents.all());
+        let _ = self.tasks.send(Task::Errand(Box::new(Errand { id, snapshot, open, is_cancelled, what })));
         Ok(None)
     }
 
@@ -142,7 +143,7 @@ impl Live {
                 if of == revision {
                     self.asked = Some(of);
                     let Context { view, verdicts, .. } = context;
-                    verdicts.finished(|root| view.programs.get(root).is_some_and(|of| of.current.is_error_free()));
+                    effects.shown = verdicts.finished(|root| view.programs.get(root).is_some_and(|of| of.current.is_error_free()));
                 }
             }
             Report::Brought(id, brought) => {

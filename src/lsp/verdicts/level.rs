@@ -3,7 +3,6 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +10,7 @@ use crate::compile::LevelFile;
 use crate::diagnostic::Severity;
 use crate::level::{Format, level_names};
 use crate::lsp::Workspace;
+use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
 use crate::watch::Watch;
 
@@ -61,11 +61,10 @@ pub(in crate::lsp) struct Candidate {
 
 /// The files near a program that may be levels of its open maps, those that fit first. `None` if the watch stops it.
 pub(in crate::lsp) fn candidates(
-    snapshot: &Arc<Snapshot>,
-    disk: &dyn Workspace,
+    root: &Path,
+    (open, disk): (&OpenDocuments, &dyn Workspace),
     watch: &dyn Watch,
 ) -> Option<Vec<Candidate>> {
-    let root = &snapshot.root;
     let folder = root.parent().unwrap_or(Path::new(""));
     let mut maps: Vec<PathBuf> = Vec::new();
     for file in disk.levels(folder) {
@@ -87,7 +86,7 @@ pub(in crate::lsp) fn candidates(
         if watch.stop() {
             return None;
         }
-        let (compilation, _) = snapshot.with_level(LevelFile::new(&map), disk);
+        let (compilation, _) = Snapshot::with_level(root, LevelFile::new(&map), (open, disk));
         let error = compilation.diagnostics.iter().find(|found| found.severity == Severity::Error);
         let misfit = error.map(|error| error.message.clone());
         found.push(Candidate { name: name_beside(root, &map), map, misfit });

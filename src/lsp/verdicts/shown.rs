@@ -109,11 +109,18 @@ impl Shown {
         }
     }
 
-    /// All questions of some programs were asked: other verdicts are dropped, as their goals are gone.
-    pub fn finished(&mut self, is_asked: impl Fn(&Path) -> bool) {
-        for (_, program) in self.programs.iter_mut().filter(|(root, _)| is_asked(root)) {
+    /// All questions of some programs were asked: other verdicts are dropped, as their goals are gone. Returns the programs
+    /// that had some.
+    pub fn finished(&mut self, is_asked: impl Fn(&Path) -> bool) -> BTreeSet<PathBuf> {
+        let mut fewer = BTreeSet::new();
+        for (root, program) in self.programs.iter_mut().filter(|(root, _)| is_asked(root)) {
+            let count = program.verdicts.len();
             program.verdicts.retain(|shown| shown.is_current);
+            if program.verdicts.len() < count {
+                fewer.insert(root.clone());
+            }
         }
+        fewer
     }
 
     /// The files that verdicts about a program depend on.

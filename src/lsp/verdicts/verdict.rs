@@ -37,6 +37,8 @@ pub(in crate::lsp) struct Verdict {
     pub way: Option<Way>,
     /// Why there is none, a sentence each, if that is known.
     pub reasons: Vec<String>,
+    /// If all states were visited: their number.
+    pub states: Option<u64>,
     /// Whether a run has refuted the analysis that a proof rested on.
     pub is_withdrawn: bool,
     /// Nodes of the search; 0 if nothing was searched.
@@ -69,6 +71,7 @@ impl Verdict {
             conclusion,
             way: Some(way),
             reasons: Vec::new(),
+            states: None,
             is_withdrawn: false,
             nodes: 0,
             places: 0,
@@ -90,6 +93,7 @@ impl Verdict {
             conclusion: answer.verdict,
             way,
             reasons: answer.reasons.clone(),
+            states: answer.states,
             is_withdrawn: answer.is_withdrawn,
             nodes: answer.nodes,
             places: answer.coverage.places,
@@ -103,6 +107,7 @@ impl Verdict {
             conclusion: Conclusion::Error,
             way: None,
             reasons: vec![why],
+            states: None,
             is_withdrawn: false,
             nodes: 0,
             places: 0,
@@ -122,7 +127,12 @@ impl Verdict {
 
     /// The verdict in a few words, with its sign: ✓ wanted, ✗ not wanted, ? not known.
     pub fn title(&self, kind: Kind) -> String {
-        let why = self.reasons.first().map_or(String::new(), |why| format!(": {why}"));
+        let why = match (self.states, self.reasons.first()) {
+            (Some(states), _) => format!(": {states} state{}, all visited", if states == 1 { "" } else { "s" }),
+            // What the question is stands below.
+            (None, Some(why)) => format!(": {}", why.split_once(" never holds: ").map_or(&**why, |(_, why)| why)),
+            (None, None) => String::new(),
+        };
         let way = |way: &Way| {
             let luck = way.luck.as_ref().map_or(String::new(), |luck| format!(", with luck {luck}"));
             format!("{:.1} s{luck} · play", way.seconds)

@@ -37,7 +37,7 @@ const { main, browser: chromium } = install(join(here, 'dist/code-server'));
 const home = mkdtempSync(join(tmpdir(), 'hyped-look-'));
 const work = join(home, 'examples');
 cpSync(join(here, '../../examples'), work, { recursive: true });
-writeFileSync(join(work, 'new.hyped'), '');
+writeFileSync(join(work, '0new.hyped'), '');
 for (const [name, settings] of Object.entries({
   Machine: { 'hypedc.path': hypedc },
   User: { 'workbench.startupEditor': 'none', 'security.workspace.trust.enabled': false, 'workbench.tips.enabled': false, 'editor.cursorBlinking': 'solid' },
@@ -97,7 +97,7 @@ async function tour() {
 
   await open('link.hyped');
   await see('.view-line', ': px/s = 80');
-  await see('.view-line', 'is 0..9');
+  await see('.view-line', 'is 0..14');
   await look('colours-and-hints');
 
   await go(33, 40);
@@ -135,7 +135,7 @@ async function tour() {
   const lens = (text) => page.locator('.codelens-decoration a', { hasText: text }).first();
   await lens('simulate').waitFor();
   await look('lenses');
-  await lens('can it be reached?').click();
+  await lens('search for this goal').click();
   const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
   await shown.getByText('goal arrive: reached').waitFor();
   await shown.locator('img').waitFor();
@@ -153,7 +153,7 @@ async function tour() {
   await command('View: Toggle Panel Visibility');
 
   await command('Preferences: Toggle between Light/Dark Themes');
-  await open('new.hyped');
+  await open('0new.hyped');
   await page.locator('.editor-group-container.active .view-lines').click();
   await type('ent');
   const snippet = page.locator('.suggest-widget.visible .monaco-list-row:has(.codicon-symbol-snippet)').first();

@@ -15,6 +15,10 @@ pub(super) struct Client {
     pub refreshes_hints: bool,
     /// Whether it supports snippets in completion items.
     pub has_snippets: bool,
+    /// Whether it shows the progress of work, and creates tokens for it.
+    pub shows_progress: bool,
+    /// Whether it has commands of its own with the names of the server's, by its option `ownCommands`.
+    pub has_commands: bool,
     /// Whether it highlights syntax by its own grammar, so that semantic tokens contain only names.
     pub has_grammar: bool,
 }
@@ -37,6 +41,11 @@ impl Client {
             encoding: supported.into_iter().next().unwrap_or_default(),
             watches_files: flag("/workspace/didChangeWatchedFiles/dynamicRegistration"),
             refreshes_hints: flag("/workspace/inlayHint/refreshSupport"),
+            shows_progress: flag("/window/workDoneProgress"),
+            has_commands: params
+                .pointer("/initializationOptions/ownCommands")
+                .and_then(Value::as_bool)
+                .unwrap_or(false),
             has_grammar: flag("/textDocument/semanticTokens/augmentsSyntaxTokens"),
             has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }

@@ -4,14 +4,18 @@
 
 mod capabilities;
 mod client;
+mod commands;
 mod context;
 mod findings;
 mod from_protocol;
 mod handlers;
 mod kinds;
+mod play;
 mod positions;
 mod requests;
+mod runnable;
 mod server;
+mod tasks;
 mod to_protocol;
 mod tokens;
 mod transport;

@@ -16,14 +16,18 @@ use serde_json::{Value, json};
 
 use super::capabilities::{capabilities, watchers};
 use super::client::Client;
+use super::commands::{self, Begun};
 use super::context::{Context, Failure, response};
 use super::findings::Published;
 use super::from_protocol::{changes, folders};
+use super::play::Plays;
 use super::requests::{self, Needs};
+use super::tasks::{self, Tasks, Told};
 use super::tokens::SentTokens;
 use super::uri::path_of;
 use super::worker::{Event, Job, Stages, Worker};
 use crate::lsp::Workspace;
+use crate::lsp::buffers::Buffers;
 use crate::lsp::documents::Documents;
 use crate::lsp::view::{ProgramState, View};
 
@@ -65,6 +69,10 @@ pub struct Server {
     has_shut_down: bool,
     /// The id of the last request to the client.
     last_request: i32,
+    /// Commands that run.
+    tasks: Tasks,
+    /// Play sessions.
+    plays: Plays,
     /// The programs with a reported panic, until they are compiled again.
     failed: BTreeSet<PathBuf>,
 }
@@ -86,6 +94,7 @@ impl Server {
         };
         let (jobs, job_receiver) = unbounded();
         let (event_sender, events) = unbounded();
+        let (told_sender, told) = unbounded();
         let has_ended = Arc::new(AtomicBool::new(false));
         let worker_has_ended = Arc::clone(&has_ended);
         let worker = Worker {
@@ -100,7 +109,12 @@ impl Server {
         let mut server = Server {
             context: Context {
                 client,
-                view: View { documents: Documents::default(), programs: BTreeMap::new(), last_rename: None, disk },
+                view: View {
+                    documents: Documents::default(),
+                    programs: BTreeMap::new(),
+                    last_rename: None,
+                    disk: Arc::clone(&disk),
+                },
                 tokens: SentTokens::default(),
             },
             sender,
@@ -117,10 +131,12 @@ impl Server {
             waiting: Vec::new(),
             has_shut_down: false,
             last_request: 0,
+            tasks: Tasks::new(told_sender.clone(), Arc::clone(&disk)),
+            plays: Plays::new(Arc::clone(&disk), told_sender),
             failed: BTreeSet::new(),
         };
         server.respond(id, Ok(result));
-        let was_shut_down = server.run(&receiver, &events);
+        let was_shut_down = server.run(&receiver, &events, &told);
         has_ended.store(true, Ordering::Relaxed);
         drop(server);
         drop(events);
@@ -128,7 +144,7 @@ impl Server {
         was_shut_down
     }
 
-    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>) -> bool {
+    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>, told: &Receiver<Told>) -> bool {
         loop {
             self.submit_job();
             select! {
@@ -148,6 +164,10 @@ impl Server {
                     let Ok(event) = event else { return false };
                     self.event(event);
                 }
+                recv(told) -> told => {
+                    let Ok(told) = told else { return false };
+                    self.told(told);
+                }
             }
         }
     }
@@ -158,6 +178,7 @@ impl Server {
             return;
         }
         self.revision += 1;
+        self.plays.update(self.context.view.documents.all());
         let job = Job {
             revision: self.revision,
             open: Arc::clone(self.context.view.documents.all()),
@@ -202,8 +223,58 @@ impl Server {
             let failure = Failure::new(ErrorCode::InvalidRequest, "the server has shut down or is already initialized");
             return self.respond::<()>(request.id, Err(failure));
         }
+        if commands::is_task(&request.method) {
+            return self.begin(request);
+        }
+        if request.method == "hypedc/play" {
+            self.plays.update(self.context.view.documents.all());
+            let asked = self.plays.ask(request.id.clone(), request.params);
+            return if let Err(failure) = asked {
+                self.respond::<()>(request.id, Err(failure))
+            };
+        }
         let needs = requests::needs(&request.method);
         if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
+    }
+
+    /// Begins the task of a request, on the texts as they are now.
+    fn begin(&mut self, request: Request) {
+        let view = &self.context.view;
+        let buffers = Buffers { open: Arc::clone(view.documents.all()), disk: Arc::clone(&view.disk) };
+        let Begun { title, token, work } = match commands::task(&request, buffers) {
+            Ok(begun) => begun,
+            Err(failure) => return self.respond::<()>(request.id, Err(failure)),
+        };
+        let token = token.or_else(|| {
+            self.context.client.shows_progress.then(|| {
+                let token = json!(format!("hypedc {}", self.last_request + 1));
+                self.send_request("window/workDoneProgress/create", json!({ "token": token }));
+                token
+            })
+        });
+        if let Some(token) = &token {
+            self.notify("$/progress", tasks::begun(token, &title));
+        }
+        self.tasks.begin(request.id, token, work);
+    }
+
+    /// A task is on its way, or done.
+    fn told(&mut self, told: Told) {
+        match told {
+            Told::Progress { token, percentage, message } => {
+                self.notify("$/progress", tasks::reported(&token, percentage, &message));
+            }
+            Told::Done(id, result) => {
+                if let Some(token) = self.tasks.done(&id) {
+                    self.notify("$/progress", tasks::ended(&token));
+                }
+                self.respond(id, result);
+            }
+        }
+    }
+
+    fn notify(&self, method: &str, params: Value) {
+        let _ = self.sender.send(Notification { method: method.into(), params }.into());
     }
 
     fn is_ready(&self, needs: Needs) -> bool {
@@ -289,12 +360,16 @@ impl Server {
                 folders.extend(params.event.added.iter().map(|f| path_of(&f.uri)));
                 (self.rescan, self.has_unsent_changes) = (true, true);
             }
+            "window/workDoneProgress/cancel" => {
+                self.tasks.cancel_progress(&params["token"]);
+            }
             "$/cancelRequest" => {
                 let Some(params) = read::<types::CancelNotification>(params) else { return };
                 let id = match params.id {
                     types::Id::Int(number) => RequestId::from(number),
                     types::Id::String(text) => RequestId::from(text),
                 };
+                self.tasks.cancel(&id);
                 if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
                     self.waiting.remove(at);
                     self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
@@ -370,7 +445,7 @@ impl Server {
     /// Sends an error message to the editor: to its log, or as a pop-up.
     fn show_error(&self, method: &str, text: &str) {
         let params = json!({ "type": types::MessageType::Error, "message": text });
-        let _ = self.sender.send(Notification { method: method.into(), params }.into());
+        self.notify(method, params);
     }
 
     /// Publishes the diagnostics of documents for which they changed.

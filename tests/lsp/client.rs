@@ -46,6 +46,8 @@ pub struct Client {
     pub published: Vec<(String, Value)>,
     /// All messages that came: how, and what they say.
     pub messages: Vec<(String, String)>,
+    /// The progress that was told, in order.
+    pub progress: Vec<Value>,
 }
 
 impl Client {
@@ -69,6 +71,7 @@ impl Client {
             shown: BTreeMap::new(),
             published: Vec::new(),
             messages: Vec::new(),
+            progress: Vec::new(),
         };
         let folders = json!([{ "uri": "file:///game", "name": "game" }]);
         let params = json!({
@@ -120,6 +123,7 @@ impl Client {
                     self.published.push((uri.clone(), note.params["diagnostics"].clone()));
                     self.shown.insert(uri, note.params["diagnostics"].clone());
                 }
+                Message::Notification(note) if note.method == "$/progress" => self.progress.push(note.params),
                 Message::Notification(note) if note.method.ends_with("Message") => {
                     self.messages.push((note.method, note.params["message"].as_str().unwrap().to_string()));
                 }

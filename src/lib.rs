@@ -36,6 +36,7 @@
 //! | [`corpus`] | one query on many levels: resumable rows, JUnit, comparison with a baseline |
 //! | [`tune`] | the smallest change of a number that turns an answer |
 //! | [`suite`] | tests of worlds: runs, questions, coverage |
+//! | [`ask`] | questions by names, and their answers as records, for the command line and the language server |
 //! | [`diff`] | two programs compared: what changed, how players move, which answers differ |
 //! | [`studio`] | a play session: requests of a page over program, simulator and reach |
 //! | [`lsp`] | the language server for editors |
@@ -46,10 +47,12 @@
 //! [`format`]: mod@format
 
 pub mod analysis;
+#[cfg(any(feature = "cli", feature = "lsp"))]
+pub mod ask;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod compile;
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "lsp"))]
 pub mod corpus;
 pub mod diagnostic;
 #[cfg(feature = "cli")]
@@ -71,7 +74,7 @@ pub mod sema;
 pub mod sim;
 pub mod source;
 pub mod studio;
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "lsp"))]
 pub mod suite;
 pub mod syntax;
 pub mod tabular;

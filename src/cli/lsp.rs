@@ -3,6 +3,7 @@
 use std::io::{self, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::lsp::{Server, Settings, Transport, Workspace};
 use crate::source::{Files, ReadError};
@@ -19,7 +20,9 @@ const MAX_LEVELS: usize = 500;
 const MAX_LEVEL_FOLDERS: usize = 200;
 
 /// The programs on the disk.
-struct Folders;
+struct Folders {
+    started: Instant,
+}
 
 impl Files for Folders {
     fn read(&self, path: &Path) -> Result<String, ReadError> {
@@ -52,6 +55,10 @@ impl Workspace for Folders {
         if let Some(path) = remembered(key) {
             keep_in_cache(&path, text);
         }
+    }
+
+    fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
     }
 }
 
@@ -94,7 +101,7 @@ pub(super) fn run() -> io::Result<Exit> {
     // Editors keep what a server says here in a log.
     let report = |why: &str| drop(writeln!(io::stderr(), "hypedc lsp: {why}"));
     let (connection, transport) = Transport::start(BufReader::new(io::stdin()), io::stdout(), report);
-    let orderly = Server::serve(connection, Arc::new(Folders), Settings::default());
+    let orderly = Server::serve(connection, Arc::new(Folders { started: Instant::now() }), Settings::default());
     // A client that disconnected may have left the pipe open.
     if orderly {
         transport.join()?;

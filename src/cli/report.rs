@@ -5,17 +5,17 @@ use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use sha2::{Digest, Sha256};
-
+use crate::ask::open_world;
 use crate::compile::{Changes, Compilation, LevelFile, compile_changed, is_name, level_file};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
-use crate::diagnostic::{Diagnostics, Fact, render, similar};
+use crate::diagnostic::{Diagnostics, Fact, render};
 use crate::ir::{Program, World, WorldId};
-use crate::json::{self, Layout};
 use crate::source::{ReadError, SourceMap};
 
 use super::disk::{Disk, bytes, compiled};
+
+pub(super) use crate::ask::{Loaded, find_world, program_sha256, sha256};
 
 /// Whether to colour the output: only on a terminal, and not if `NO_COLOR` is set.
 pub(super) fn colored(terminal: bool) -> bool {
@@ -49,26 +49,9 @@ pub(super) fn written(path: &Path, text: &str) -> io::Result<bool> {
     Ok(true)
 }
 
-/// A program that compiled, and its files.
-pub(super) struct Loaded {
-    pub sources: SourceMap,
-    pub program: Arc<Program>,
-}
-
-/// A hash of a program's meaning, in hexadecimal digits.
-pub(super) fn program_sha256(program: &Program) -> String {
-    let json = json::bytes(&program.meaning(), Layout::Compact).unwrap_or_default();
-    sha256(&json)
-}
-
 /// The SHA-256 of a level's file; none if it cannot be read.
 pub(super) fn level_sha256(path: &Path) -> Option<String> {
     bytes(level_file(path)).ok().map(|bytes| sha256(&bytes))
-}
-
-/// The SHA-256 of some bytes, in hexadecimal digits.
-pub(super) fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Compiles a file, with a level for worlds with an open map, and with changes of the program; shows findings, and returns
@@ -132,12 +115,8 @@ fn load_compiled(path: &Path, level: LevelFile<'_>, changes: &Changes<'_>) -> io
 
 /// Whether worlds have all their maps; reports the missing one.
 pub(super) fn has_maps<'w>(loaded: &Loaded, worlds: impl IntoIterator<Item = &'w Arc<World>>) -> io::Result<bool> {
-    let Some(open) = worlds.into_iter().find(|w| w.open.is_some()) else {
-        return Ok(true);
-    };
-    let why = format!("the world `{}` leaves its map to the command line", open.name);
-    let help = Some("give one with `--map PATH`".to_string());
-    show_fact(&loaded.sources, NoQuestion { why, near: None, help })?;
+    let Some(fact) = worlds.into_iter().find_map(|world| open_world(world)) else { return Ok(true) };
+    show_fact(&loaded.sources, fact)?;
     Ok(false)
 }
 
@@ -150,32 +129,4 @@ pub(super) fn choose_world(loaded: &Loaded, path: &Path, name: Option<&str>) -> 
             Ok(None)
         }
     }
-}
-
-/// The named world, or the only one.
-pub(super) fn find_world(program: &Program, path: &Path, name: Option<&str>) -> Result<WorldId, NoQuestion> {
-    let worlds = &program.worlds;
-    let names: Vec<&str> = worlds.iter().map(|w| w.name.as_str()).collect();
-    let list = || format!("there is {}", names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", "));
-    let found = match name {
-        Some(name) => program.world_named(name),
-        None => worlds.ids().next().filter(|_| worlds.len() == 1),
-    };
-    found.ok_or_else(|| match name {
-        Some(name) => NoQuestion {
-            why: format!("no world `{name}` in `{}`", path.display()),
-            near: similar(name, names.iter().copied()),
-            help: (!names.is_empty()).then(list),
-        },
-        None if names.is_empty() => NoQuestion {
-            why: format!("`{}` has no world", path.display()),
-            near: None,
-            help: Some("add `world NAME { … }`".into()),
-        },
-        None => NoQuestion {
-            why: format!("`{}` has several worlds", path.display()),
-            near: None,
-            help: Some(format!("choose one with `--world NAME`; {}", list())),
-        },
-    })
 }

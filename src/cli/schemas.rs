@@ -4,12 +4,14 @@ use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
-use super::{bounds, corpus, diff, reach, stuck, test, tune, why};
+use super::{bounds, corpus, diff, reach, stuck, tune};
+use crate::ask::{reach_schema, sim_schema, why_schema};
 use crate::corpus::Row;
 use crate::diagnostic::render;
 use crate::experiment::Report;
 use crate::ir::Program;
 use crate::sim::trace_schemas;
+use crate::suite::suite_schema;
 
 /// Each schema with the name of its format.
 pub fn schemas() -> Vec<(&'static str, Value)> {
@@ -18,18 +20,19 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("program", Program::json_schema()),
         ("findings", closed(render::json_schema(), "Findings of `hypedc check --format json`")),
         ("bounds", closed(bounds::json_schema(), "What `hypedc bounds --format json` writes")),
-        ("results", closed(reach::json_schema(), "What `hypedc reach --format json` writes")),
+        ("results", closed(reach_schema(), "What `hypedc reach --format json` writes")),
         ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("stuck", closed(stuck::json_schema(), "What `hypedc stuck --format json` writes")),
         ("tune", closed(tune::json_schema(), "What `hypedc tune --format json` writes")),
         ("tune-tiles", closed(tune::tiles_schema(), "What `hypedc tune --tiles --format json` writes")),
-        ("tests", closed(test::json_schema(), "What `hypedc test --format json` writes")),
+        ("tests", closed(suite_schema(), "What `hypedc test --format json` writes")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
         ("diff", closed(diff::json_schema(), "What `hypedc diff --format json` writes")),
-        ("why", closed(why::json_schema(), "What `hypedc why --format json` writes")),
+        ("why", closed(why_schema(), "What `hypedc why --format json` writes")),
         ("experiment", closed(Report::json_schema(), "What `hypedc experiment --format json` writes")),
+        ("sim", closed(sim_schema(), "What `hypedc sim --format json` writes")),
         ("trace-header", closed(header, "The first line of a trace of `hypedc sim --trace`")),
         ("trace-line", closed(line, "A state in a trace of `hypedc sim --trace`, as JSON")),
     ]

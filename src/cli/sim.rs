@@ -1,6 +1,5 @@
 //! `hypedc sim`: runs a world with given inputs and shows its final state.
 
-use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::ops::ControlFlow;
@@ -9,22 +8,22 @@ use std::sync::Arc;
 
 mod page;
 
+use crate::ask::Observed;
 use crate::compile::{Asked, Changes, ExtraQuestion, LevelFile, compile_changed, question_name};
 use crate::diagnostic::catalogue::file::Unreadable;
-use crate::diagnostic::catalogue::run::{BrokenInvariant, NoQuestion, RefusedSpawn};
-use crate::diagnostic::{Diagnostics, similar};
-use crate::ir::{GoalId, GroupId, Id, NeverId, Origin, Program, SlotId, SpawnId, World, WorldId};
-use crate::sim::{
-    Fault, Input, Scratch, Script, Simulator, TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter,
-    parse_script,
-};
+use crate::diagnostic::catalogue::run::NoQuestion;
+use crate::diagnostic::similar;
+use crate::ir::{GoalId, GroupId, Id, NeverId, Origin, Program, SlotId, World, WorldId};
+use crate::json::{self, Layout};
+use crate::sim::{Script, Simulator, TRACE_VERSION, TraceFormat, TraceHeader, TraceLines, TraceWriter, parse_script};
 use crate::source::Files;
 use crate::view::{Images, Recorder};
-use crate::watch::{Meter, Watch};
+
+pub(super) use crate::ask::{RunEnd, drive};
 
 use super::Exit;
 use super::animation;
-use super::args::{ScriptArgs, SimArgs, TraceFormatName};
+use super::args::{ResultFormat, ScriptArgs, SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::page::carried;
 use super::pictures::{self, Outcome, marks, run_svg};
@@ -42,6 +41,10 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     let file = args.file.as_deref().unwrap_or(Path::new(""));
     if let Some(exit) = swept(&args.numbers, |sweep| sim_sweep::run(args, file, sweep))? {
         return Ok(exit);
+    }
+    if args.format == ResultFormat::Json && args.trace.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        plain_error("`--trace -` and `--format json` both write to standard output")?;
+        return Ok(Exit::Refused);
     }
     let numbers = args.numbers.fixed();
     let questions = questions(args);
@@ -86,7 +89,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
             trace.state(step, input, state).map(|()| ControlFlow::Continue(()))
         })?;
     }
-    let mut report = Report::new(&sim);
+    let mut report = Observed::new(&sim);
     let draws = args.svg.is_some() || carried.is_some();
     let images = if draws || args.animation.gif.is_some() {
         pictures::images(&loaded.program, file)
@@ -115,7 +118,12 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     }
     let to_stdout = args.trace.as_ref().is_some_and(|p| p.as_os_str() == "-");
     let text = report.text(&file.display().to_string());
-    if !to_stdout {
+    if args.format == ResultFormat::Json {
+        let inputs = script.text(&loaded.program, world);
+        let mut out = io::stdout().lock();
+        json::write(&report.result(file.display().to_string(), inputs, &ended), Layout::Indented, &mut out)?;
+        writeln!(out)?;
+    } else if !to_stdout {
         write!(io::stdout(), "{text}")?;
     }
     let findings = report.findings(&loaded.program, world);
@@ -279,7 +287,7 @@ impl Expected {
     }
 
     /// The unmet expectations.
-    fn unmet(&self, report: &Report<'_>) -> Vec<String> {
+    fn unmet(&self, report: &Observed<'_>) -> Vec<String> {
         let world = report.sim.world();
         let held = |kind: &str, name: &str, step: u64| format!("`--expect-not {name}`: the {kind} held at step {step}");
         let first = |of: &[Option<u64>], id: usize| of.get(id).copied().flatten();
@@ -337,145 +345,7 @@ pub(super) fn script_of(
     Ok((!found.has_errors()).then_some(script))
 }
 
-/// Called with the number of a step, its input and the state after it; breaks to end the run.
-pub(super) type OnState<'a> = dyn FnMut(u64, &Input, &[u8], &Scratch) -> io::Result<ControlFlow<()>> + 'a;
-
-/// How a run ended.
-pub(super) enum RunEnd {
-    /// After all of its steps.
-    Done,
-    /// A player left the bounds of its space.
-    LeftBounds,
-    /// The callback ended it.
-    Enough,
-    /// By a run-time error at a step.
-    Fault(Fault, u64),
-    /// By the watch, after a step.
-    Stopped(u64),
-}
-
-/// Runs at most `frames` steps and passes every state to the callback, starting with the initial one. What the script
-/// leaves open is drawn from the seed `chance`, 0 by default.
-pub(super) fn drive(
-    sim: &Simulator,
-    (script, chance): (&Script, Option<u64>),
-    frames: u64,
-    watch: &dyn Watch,
-    on_state: &mut OnState<'_>,
-) -> io::Result<RunEnd> {
-    let mut scratch = sim.scratch();
-    let nothing = Input::nothing(sim.world().players.len());
-    let meter = Meter::new(watch);
-    let mut state = match sim.metered_initial(&mut scratch, &meter) {
-        _ if meter.is_stopped() => return Ok(RunEnd::Stopped(0)),
-        Ok(state) => state,
-        Err(fault) => return Ok(RunEnd::Fault(fault, 0)),
-    };
-    let mut inputs = script.inputs().chain(std::iter::repeat(&nothing));
-    let mut input = Cow::Borrowed(&nothing);
-    for step in 0.. {
-        if on_state(step, &input, &state, &scratch)?.is_break() {
-            return Ok(RunEnd::Enough);
-        }
-        if sim.left_bounds(&state).is_some() {
-            return Ok(RunEnd::LeftBounds);
-        }
-        if step == frames {
-            break;
-        }
-        input = sim.draw(chance.unwrap_or_default(), step + 1, inputs.next().unwrap_or(&nothing));
-        let stepped = sim.metered_step(&mut state, &input, &mut scratch, &meter);
-        if meter.is_stopped() {
-            return Ok(RunEnd::Stopped(step));
-        }
-        if let Err(fault) = stepped {
-            return Ok(RunEnd::Fault(fault, step + 1));
-        }
-        if !sim.draws().is_empty() {
-            input = Cow::Owned(sim.drawn(&input, &scratch));
-        }
-    }
-    Ok(RunEnd::Done)
-}
-
-/// The events of a run.
-struct Report<'s> {
-    sim: &'s Simulator,
-    goals: Vec<Option<u64>>,
-    nevers: Vec<Option<u64>>,
-    /// The first broken invariant: the step, the slot, and its index.
-    broken: Option<(u64, SlotId, usize)>,
-    /// Each spawn that was refused, with the first step at which it was.
-    refused: Vec<(u64, SlotId, SpawnId)>,
-    /// The player who has left the bounds, which ends the run.
-    left: Option<SlotId>,
-    steps: u64,
-    last: Vec<u8>,
-}
-
-impl<'s> Report<'s> {
-    fn new(sim: &'s Simulator) -> Self {
-        let world = sim.world();
-        Report {
-            sim,
-            goals: vec![None; world.goals.len()],
-            nevers: vec![None; world.nevers.len()],
-            broken: None,
-            refused: Vec::new(),
-            left: None,
-            steps: 0,
-            last: Vec::new(),
-        }
-    }
-
-    fn observe(&mut self, step: u64, state: &[u8]) {
-        let world = self.sim.world();
-        self.left = self.sim.left_bounds(state);
-        // Out of bounds, a `never` still counts, a goal does not.
-        let goals = self.goals.iter_mut().zip(world.goals.iter()).filter(|_| self.left.is_none());
-        for (first, predicate) in goals.chain(self.nevers.iter_mut().zip(world.nevers.iter())) {
-            if first.is_none() && self.sim.holds(state, predicate.holds) == Ok(true) {
-                *first = Some(step);
-            }
-        }
-        self.steps = step;
-        self.last.clear();
-        self.last.extend_from_slice(state);
-    }
-
-    /// Records refused spawns and broken invariants.
-    fn record_events(&mut self, step: u64, scratch: &Scratch, state: &[u8]) {
-        if let Some((slot, spawn)) = self.sim.refused(scratch) {
-            let entity = |s: SlotId| self.sim.world().slots[s].entity;
-            let known = self.refused.iter().any(|(_, s, x)| (entity(*s), *x) == (entity(slot), spawn));
-            if !known {
-                self.refused.push((step, slot, spawn));
-            }
-        }
-        if self.broken.is_none()
-            && let Ok(Some((slot, invariant))) = self.sim.broken_invariant(state)
-        {
-            self.broken = Some((step, slot, invariant));
-        }
-    }
-
-    /// The findings about the run.
-    fn findings(&self, program: &Program, world: WorldId) -> Diagnostics {
-        let slots = &program.worlds[world].slots;
-        let mut out = Diagnostics::new();
-        for &(step, slot, spawn) in &self.refused {
-            let of = slots[slot].entity;
-            let entity = program.entities[program.entities[of].spawns[spawn].entity].name.to_string();
-            let at = program.spans.entities[of].spawns[spawn];
-            out.report(RefusedSpawn { at, instance: slots[slot].name.clone(), entity, step });
-        }
-        if let Some((step, slot, invariant)) = self.broken {
-            let at = program.spans.entities[slots[slot].entity].invariants[invariant];
-            out.report(BrokenInvariant { at, instance: slots[slot].name.clone(), step });
-        }
-        out
-    }
-
+impl Observed<'_> {
     /// What a picture says about the run.
     fn outcome<'o>(&self, script: &'o str, ended: &RunEnd, is_as_expected: bool) -> Outcome<'o> {
         let end = match ended {
@@ -492,10 +362,6 @@ impl<'s> Report<'s> {
             end: end.map(str::to_string),
             script,
         }
-    }
-
-    fn violated(&self) -> bool {
-        self.nevers.iter().any(Option::is_some) || self.broken.is_some()
     }
 
     fn text(&self, file: &str) -> String {

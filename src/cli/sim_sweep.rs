@@ -10,7 +10,7 @@ use crate::sim::Simulator;
 use crate::tabular::{Cell, Column, Table};
 
 use super::Exit;
-use super::args::SimArgs;
+use super::args::{ResultFormat, SimArgs};
 use super::report::{Loaded, choose_world, load_again, load_changed, plain_error};
 use super::sim::{RunEnd, drive, questions, script};
 use super::sweep::Sweep;
@@ -27,8 +27,9 @@ struct Row {
 }
 
 pub(super) fn run(args: &SimArgs, file: &Path, sweep: &Sweep<'_>) -> io::Result<Exit> {
-    if args.trace.is_some() || args.svg.is_some() || args.animation.gif.is_some() {
-        plain_error("a sweep has a table alone: traces and pictures are of one run")?;
+    let is_json = args.format == ResultFormat::Json;
+    if args.trace.is_some() || args.svg.is_some() || args.animation.gif.is_some() || is_json {
+        plain_error("a sweep has a table alone: traces, pictures and JSON are of one run")?;
         return Ok(Exit::Refused);
     }
     let mut table: Option<Table> = None;

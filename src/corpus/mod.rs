@@ -4,13 +4,16 @@
 
 mod baseline;
 mod formats;
+#[cfg(feature = "cli")]
 mod junit;
 mod record;
 mod row;
 
 pub use baseline::{Comparison, Flip, LengthChange, Unpaired};
 pub use formats::{CSV_HEADER, csv_line, summary, table};
+#[cfg(feature = "cli")]
 pub use junit::junit;
+#[cfg(feature = "cli")]
 pub(crate) use junit::{class_name, printable, seconds};
 pub use record::{BadRecord, Record, StoredRow};
 pub use row::{Key, ROW_VERSION, Row, Settings, Timing};

@@ -13,6 +13,7 @@
 //! | `protocol` | the connection, the worker, the table of requests, conversion from and to the protocol's types |
 //! | `service` | the same features by typed requests, without a connection: for the editor of the playground |
 //! | `features` | the features of the server: functions from a view, a path and a byte offset to plain results |
+//! | `commands`, `buffers` | the commands that run a program: `sim`, `reach`, `test`, `why`; the files that they read |
 //! | `view`, `snapshot`, `documents`, `values`, `location` | the state that features read, and locations in it |
 //! | `text` | texts that may not parse: positions, tokens, the context of a cursor |
 //!
@@ -26,6 +27,10 @@
 
 #![cfg_attr(not(feature = "lsp"), allow(dead_code, reason = "the service alone offers fewer features"))]
 
+#[cfg(feature = "lsp")]
+mod buffers;
+#[cfg(feature = "lsp")]
+mod commands;
 mod documents;
 mod features;
 mod location;
@@ -63,4 +68,9 @@ pub trait Workspace: Files + Send + Sync {
 
     /// Remembers a text under a key. What cannot be written is forgotten.
     fn remember(&self, _key: &str, _text: &str) {}
+
+    /// Seconds since some moment, for records; always 0 without a clock.
+    fn seconds(&self) -> f64 {
+        0.0
+    }
 }

@@ -5,6 +5,8 @@
 mod bounds;
 mod history;
 mod inspect;
+#[cfg(feature = "lsp")]
+mod lit;
 mod paint;
 mod project;
 mod protocol;
@@ -13,6 +15,8 @@ mod search;
 mod session;
 mod sliders;
 
+#[cfg(feature = "lsp")]
+pub use lit::{Lit, LitMode};
 #[cfg(feature = "cli")]
 pub(crate) use paint::Written;
 pub use project::Level;

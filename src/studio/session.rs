@@ -121,6 +121,12 @@ impl Session {
         pictures.map(str::to_string).collect()
     }
 
+    /// The program that is played, its texts, and the run.
+    #[cfg(feature = "lsp")]
+    pub(super) fn played(&self) -> Option<(&Program, &SourceMap, &History)> {
+        self.game.as_ref().map(|game| (&*game.program, &game.sources, &game.history))
+    }
+
     /// Answers a request.
     pub fn answer(&mut self, request: Request) -> Answer {
         self.respond(request).unwrap_or_else(|message| Answer::Refused { message })

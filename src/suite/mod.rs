@@ -8,6 +8,7 @@
 //! | file | holds |
 //! |---|---|
 //! | `record` | results of tests and claims |
+//! | `result` | the result of all tests |
 //! | `run` | the run of a test's inputs, and the claims about it |
 //! | `search` | the claims about all runs |
 //! | `ways` | ways that were found before |
@@ -16,9 +17,11 @@
 //! | `junit` | results in the form that build servers read |
 
 mod insert;
+#[cfg(feature = "cli")]
 mod junit;
 mod lcov;
 mod record;
+mod result;
 mod run;
 mod search;
 mod ways;
@@ -37,9 +40,13 @@ use crate::watch::Watch;
 use crate::why::{Covered, place};
 
 pub use insert::{Recorded, insert_test};
+#[cfg(feature = "cli")]
 pub use junit::junit;
 pub use lcov::lcov;
 pub use record::{ClaimResult, TestResult};
+#[cfg(feature = "testing")]
+pub use result::suite_schema;
+pub use result::{CoverageResult, SuiteResult};
 pub use ways::{NoWays, WayName, Ways};
 
 /// The program that is tested.

@@ -14,6 +14,7 @@ import { AskPanel } from "./ui/ask_panel.ts";
 import { h, icon, iconButton } from "./ui/dom.ts";
 import { Goals } from "./ui/goals.ts";
 import { KnowPanel } from "./ui/know_panel.ts";
+import type { Place as TextPlace } from "./protocol.ts";
 import type { Report } from "./report.ts";
 import { Pointer } from "./ui/pointer.ts";
 import { PlayPanel } from "./ui/play_panel.ts";
@@ -37,6 +38,10 @@ export interface StudioOptions {
   script?: string | null;
   /** Answers that are shown beside the game. */
   report?: Report | null;
+  /** Shows a place of a text elsewhere: the page is beside an editor, and has no text of its own. */
+  goTo?: (place: TextPlace) => void;
+  /** Whether the theme is dark at first, and whenever that changes. */
+  prefersDark?: Pick<MediaQueryList, "matches"> & { addEventListener(type: "change", listener: (event: { matches: boolean }) => void): void };
 }
 
 /** The parts of a running page, for pages that add to it. */
@@ -59,13 +64,15 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
   const overlays = new Overlays(game, stage);
   const transport = new Transport(game);
   const goals = new Goals(game, (text, isGood) => toasts.show(text, isGood ? "good" : "bad"));
+  const { goTo } = options;
   const text = new TextPanel(game, stage, toasts, () => sidebar.show("text"));
+  if (goTo) text.elsewhere = goTo;
   const know = new KnowPanel(game, stage, (place) => text.goTo(place));
   const ask = new AskPanel(game, overlays, toasts);
   const tune = new TunePanel(game, stage, overlays, inputs, toasts);
   tune.onWrite = (path) => void text.written(path);
   const report = options.report ? new ReportPanel(options.report, game, overlays, toasts) : null;
-  const panels = [...(report ? [report] : []), new PlayPanel(game, stage, inputs, toasts), know, tune, ask, text];
+  const panels = [...(report ? [report] : []), new PlayPanel(game, stage, inputs, toasts), know, tune, ask, ...(goTo ? [] : [text])];
   const stageBox = h("main", { class: "stage" });
   const sidebar = new Sidebar(panels, () => requestAnimationFrame(resize));
   const hint = h("div", { class: "hint" });
@@ -103,7 +110,7 @@ export async function startStudio(options: StudioOptions): Promise<Studio> {
     stage.setTheme(next);
     text.setTheme(next);
   }
-  const prefersDark = matchMedia("(prefers-color-scheme: dark)");
+  const prefersDark = options.prefersDark ?? matchMedia("(prefers-color-scheme: dark)");
   const chosen = recall("theme");
   setTheme(chosen === "dark" || chosen === "light" ? chosen : prefersDark.matches ? "dark" : "light", false);
   prefersDark.addEventListener("change", (event) => {

@@ -28,6 +28,8 @@ export class Watcher {
       if (changed.length > 0) {
         await this.game.change({ ask: "reload" });
         if (changed.some((path) => path.toLowerCase().endsWith(".png"))) this.game.onPictures.emit();
+        // Beside an editor, the text that was typed is no news.
+        if (this.text.elsewhere) continue;
         await this.text.fill();
         const names = changed.map((path) => path.split(/[\\/]/).pop() ?? path).join(", ");
         if (this.text.unsaved.some((path) => changed.includes(path))) {

@@ -50,6 +50,8 @@ pub struct Client {
     pub verdicts: Vec<Value>,
     /// The requests of the server that came.
     pub asked: Vec<String>,
+    /// The progress that was told, in order.
+    pub progress: Vec<Value>,
 }
 
 impl Client {
@@ -80,6 +82,7 @@ impl Client {
             messages: Vec::new(),
             verdicts: Vec::new(),
             asked: Vec::new(),
+            progress: Vec::new(),
         };
         let folders = json!([{ "uri": "file:///game", "name": "game" }]);
         let params = json!({
@@ -132,6 +135,7 @@ impl Client {
                     self.published.push((uri.clone(), note.params["diagnostics"].clone()));
                     self.shown.insert(uri, note.params["diagnostics"].clone());
                 }
+                Message::Notification(note) if note.method == "$/progress" => self.progress.push(note.params),
                 Message::Notification(note) if note.method.ends_with("Message") => {
                     self.messages.push((note.method, note.params["message"].as_str().unwrap().to_string()));
                 }

@@ -19,6 +19,7 @@ test('a file is taken for .hyped, with the settings of Vim', function()
   assert(vim.bo.makeprg:find('check --format short', 1, true), vim.bo.makeprg)
   same(vim.fn.exists(':HypedReach'), 2)
   same(vim.fn.exists(':HypedSim'), 2)
+  same(vim.fn.exists(':HypedTest'), 2)
 end)
 
 test('the language server is known and enabled', function()

@@ -94,6 +94,27 @@ test('what the cursor is on is told', function()
   assert(vim.inspect(answers):find('Creeps along', 1, true), vim.inspect(answers))
 end)
 
+test('tests run on the text of the buffer, and failures are shown at their lines', function()
+  vim.cmd.buffer(game)
+  local last = vim.api.nvim_buf_line_count(game)
+  vim.api.nvim_buf_set_lines(game, last - 1, last - 1, true, {
+    '    test "far" {',
+    '        inputs "-*10"',
+    '        expect first.x > 1000 at end',
+    '    }',
+  })
+  local result
+  require('hyped.tests').run(game, nil, function(told) result = told end)
+  wait_for('the result', function() return result ~= nil end)
+  same({ result.passed, result.failed }, { 0, 1 })
+  local found = vim.tbl_filter(function(d) return d.source == 'hypedc test' end, vim.diagnostic.get(game))
+  same(#found, 1)
+  same({ found[1].lnum, found[1].col }, { last + 1, 8 })
+  assert(found[1].message:find('and 1000', 1, true), found[1].message)
+  same(require('hyped.tests').names(game), { 'far' })
+  vim.cmd('silent undo')
+end)
+
 for _, client in ipairs(vim.lsp.get_clients()) do
   client:stop()
 end

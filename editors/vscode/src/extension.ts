@@ -5,7 +5,11 @@ import { basename, dirname } from 'node:path';
 import { setTimeout } from 'node:timers/promises';
 import * as vscode from 'vscode';
 import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
+import { Charts } from './chart';
 import { page, reach, simulate, worldsOf } from './hypedc';
+import { HypedServer, Levels, type World } from './server';
+import { Tests } from './tests';
+import { Timelines } from './timeline';
 
 /** A client without error messages of its own until the server has responded: `startServer` reports a failed start. */
 class Client extends LanguageClient {
@@ -30,6 +34,8 @@ class Client extends LanguageClient {
 let client: Client | undefined;
 /** The log of the server. */
 let log: vscode.OutputChannel;
+/** What is told when the server has started. */
+const started: (() => void)[] = [];
 /** The prefixes of the snippets in `contributes.snippets`. */
 let prefixes: Set<string>;
 
@@ -38,7 +44,32 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   log = vscode.window.createOutputChannel('Hyped Language Server');
   const snippets: Record<string, { prefix: string }> = JSON.parse(await readFile(context.asAbsolutePath('snippets/hyped.json'), 'utf8'));
   prefixes = new Set(Object.values(snippets).map(({ prefix }) => prefix));
+  const server = new HypedServer(() => client);
+  const levels = new Levels(context.workspaceState);
+  const tests = new Tests(server, levels);
+  const timelines = new Timelines(server, levels);
+  const charts = new Charts(server, timelines);
+  started.push(
+    () => tests.listSoon(),
+    () => timelines.restarted(),
+  );
+  const withWorld = async (uri: string | undefined, world: string | undefined, run: (at: vscode.Uri, world: World) => Promise<unknown>) => {
+    const found = await worldOf(server, uri, world);
+    if (found) await run(...found);
+  };
   context.subscriptions.push(
+    ...tests.disposables,
+    ...timelines.disposables,
+    ...charts.disposables,
+    vscode.commands.registerCommand('hypedc.timeline', (uri?: string, world?: string) =>
+      withWorld(uri, world, (at, of) => timelines.open(at, of)),
+    ),
+    vscode.commands.registerCommand('hypedc.level', (uri?: string, world?: string) =>
+      withWorld(uri, world, (at, of) => levels.choose(at.toString(), of.name)),
+    ),
+    vscode.commands.registerCommand('hypedc.saveTest', () => timelines.active?.saveTest()),
+    vscode.commands.registerCommand('hypedc.saveInputs', () => timelines.active?.saveInputs()),
+    vscode.commands.registerCommand('hypedc.chart', () => charts.open()),
     output,
     log,
     // Code lenses of the server call `sim` and `reach` with a URI, the name of a world and, for a search, of a goal.
@@ -74,6 +105,8 @@ async function startServer(): Promise<void> {
     // The problem matcher has the same owner, so that a finding of both is shown once.
     diagnosticCollectionName: 'hypedc',
     outputChannel: log,
+    // The commands of the server have the names of the extension's own.
+    initializationOptions: { ownCommands: true },
     middleware: {
       // VS Code already offers the extension's snippets: drop the server's duplicates.
       provideCompletionItem: async (document, position, context, token, next) => {
@@ -99,6 +132,7 @@ async function startServer(): Promise<void> {
   const startup = starting.start();
   try {
     await startup;
+    started.forEach((tell) => tell());
   } catch (error) {
     // Not awaited: highlighting and snippets work without the server.
     void showError(`The language server could not be started with \`${command()} lsp\`: ${reason(error)}`);
@@ -150,6 +184,25 @@ async function chooseWorld(document: vscode.TextDocument, world?: string): Promi
   const worlds = worldsOf(document.getText());
   if (world || worlds.length < 2) return world;
   return (await vscode.window.showQuickPick(worlds, { title: 'Which world?' })) ?? null;
+}
+
+/** A world of a document, or of the active editor; asks which one where there are several. */
+async function worldOf(server: HypedServer, uri?: string, name?: string): Promise<[vscode.Uri, World] | undefined> {
+  const at = typeof uri === 'string' ? vscode.Uri.parse(uri) : vscode.window.activeTextEditor?.document.uri;
+  const [document] = at ? await server.runnable(at) : [];
+  if (!at || !document) {
+    await vscode.window.showErrorMessage('Open a .hyped file first.');
+    return undefined;
+  }
+  const { worlds } = document;
+  if (worlds.length === 0) {
+    await vscode.window.showErrorMessage('The program has no world.');
+    return undefined;
+  }
+  const names = worlds.map((world) => world.name);
+  const chosen = name ?? (names.length > 1 ? await vscode.window.showQuickPick(names, { title: 'Which world?' }) : names[0]);
+  const world = worlds.find((world) => world.name === chosen);
+  return world && [at, world];
 }
 
 async function check(uri?: string): Promise<void> {

@@ -258,6 +258,9 @@ pub(in crate::cli) struct SimArgs {
     /// How states are written [default: CSV if the file's name ends in `.csv`, else JSON lines].
     #[arg(long, value_enum, value_name = "FORMAT", requires = "trace")]
     pub trace_format: Option<TraceFormatName>,
+    /// As text for people, or as JSON.
+    #[arg(long, value_enum, default_value = "human")]
+    pub format: ResultFormat,
     /// Draws the run to an SVG file: the level, the ways of all that moves, the goals that were reached.
     #[arg(long, value_name = "PATH")]
     pub svg: Option<PathBuf>,
@@ -275,7 +278,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "set", "expect", "expect_not"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "set", "expect", "expect_not", "format"]
     )]
     pub replay: Option<PathBuf>,
 }

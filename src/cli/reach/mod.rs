@@ -16,9 +16,7 @@ mod why_not;
 pub(in crate::cli) use sweep::shade;
 pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
-pub(in crate::cli) use {
-    explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,
-};
+pub(in crate::cli) use {explore::json_schema as exploration_schema, sweep::json_schema as sweep_schema};
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;
@@ -41,7 +39,7 @@ use crate::cli::sweep::swept;
 use crate::cli::watches::{CommandWatch, Interrupt};
 use files::{Destination, Saved};
 use page::{report, violations, way};
-use question::{ReachChanges, query, refusal};
+use question::{ReachChanges, query, recorded_settings, refusal};
 use refuted::{Refuted, RunInfo, command_line};
 use result::RunResult;
 use text::{Detail, Shown, answer_text};
@@ -100,7 +98,8 @@ fn answer_all(
             return Ok(Exit::Refused);
         }
     };
-    let mut result = RunResult::new(args, session, analysis_seconds);
+    let settings = recorded_settings(args, &session.query().settings);
+    let mut result = RunResult::new(&args.file, session, settings, analysis_seconds);
     let detail = Detail::of(args);
     if args.format == ResultFormat::Human && detail != Detail::Quiet {
         write!(io::stdout(), "{}", result.head())?;
@@ -152,7 +151,7 @@ fn answer_all(
             ways.push(way(session, &found, &answer, (&images, searched.seconds), &watch)?);
             violated.extend(violations(session, &found, &answer, &watch)?);
         }
-        result.add(args, answer, &found.outcome, searched.seconds);
+        result.add(answer, &found.outcome, searched.seconds, args.tree);
     }
     if let (Some(carried), Some(target)) = (carried, &args.page.html) {
         let mut report = report(session, &result);

@@ -1,14 +1,13 @@
 //! Builds the query from the arguments of `hypedc reach`: targets, starts and settings. Invalid questions are refused
 //! here, before any analysis.
 
-use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, added_nevers, question_name};
+use crate::ask::{read_scripts, targets};
+use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, added_nevers};
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
-use crate::diagnostic::similar;
 use crate::ir::{NeverId, World, WorldId};
-use crate::reach::query::{Kind, Query, QueryError, TimingErrors};
+use crate::reach::query::{Query, QueryError, TimingErrors};
 use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
-use crate::sim::{Script, parse_script};
 
 use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
@@ -62,7 +61,12 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
     let table = &loaded.program.worlds[world];
     // The compiler appends it.
     let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
-    let (targets, min_hold) = (targets(table, args, without)?, min_hold(args, table)?);
+    let targets = match args.explore {
+        // The compiler appends it.
+        true => table.goals.ids().next_back().map(Target::Goal).into_iter().collect(),
+        false => targets(table, (&args.goal, &args.never), without)?,
+    };
+    let min_hold = min_hold(args, table)?;
     let errors = errors(args, table)?;
     let (settings, within) = (settings(args, table, min_hold)?, args.within.map(|time| time.room(table)));
     Ok(Query {
@@ -72,7 +76,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         within,
         without: without.into_iter().collect(),
         asked: asked_only(loaded, world),
-        after: read_scripts(loaded, world, &args.after)?,
+        after: read_scripts(loaded, world, (&args.after, "--after"))?,
         minimizes: args.minimize,
         chance: args.chance,
         errors,
@@ -183,68 +187,7 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
     })
 }
 
-/// Reads input scripts.
-pub(in crate::cli) fn read_scripts(
-    loaded: &mut Loaded,
-    world: WorldId,
-    texts: &[String],
-) -> Result<Vec<Script>, Refusal> {
-    let mut scripts = Vec::new();
-    for text in texts {
-        let file = loaded.sources.add("--after", text.clone());
-        let (script, found) = parse_script(&loaded.program, world, file, text);
-        if found.has_errors() {
-            return Err(Refusal::Findings(found));
-        }
-        scripts.push(script);
-    }
-    Ok(scripts)
-}
-
-/// The named targets without duplicates, or all goals.
-fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<Vec<Target>, Refusal> {
-    let goals: Vec<(Target, &str)> =
-        world.goals.pairs().map(|(id, goal)| (Target::Goal(id), goal.name.as_str())).collect();
-    let nevers = world.nevers.pairs().filter(|(id, _)| Some(*id) != without);
-    let nevers: Vec<(Target, &str)> = nevers.map(|(id, never)| (Target::Never(id), never.name.as_str())).collect();
-    let mut chosen = Vec::new();
-    for (kind, known, names) in [(Kind::Goal, &goals, &args.goal), (Kind::Never, &nevers, &args.never)] {
-        for text in names {
-            let name = question_name(text);
-            let found = known.iter().find(|(_, known)| *known == name);
-            let target = found.ok_or_else(|| unknown(world, kind, &name, known))?.0;
-            if !chosen.contains(&target) {
-                chosen.push(target);
-            }
-        }
-    }
-    if args.explore {
-        // The compiler appends it.
-        chosen.extend(goals.last().map(|(target, _)| *target));
-    } else if args.goal.is_empty() && args.never.is_empty() {
-        chosen.extend(goals.iter().map(|(target, _)| *target));
-    }
-    if chosen.is_empty() {
-        let why = format!("`{}` has no goal", world.name);
-        let help = "add one, such as `goal arrive: near(hero, (416, 48), 16)`, ask a predicate with `--goal`, or see what \
-                    there is with `--explore`";
-        let help = Some(help.to_string());
-        return Err(Refusal::of(NoQuestion { why, near: None, help }));
-    }
-    Ok(chosen)
-}
-
 /// The `never`s that the arguments add as questions: they are no rules of the world.
 pub(in crate::cli) fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
     added_nevers(&loaded.program, &loaded.sources, world, NEVER)
-}
-
-/// Refuses an unknown name of a goal or `never`.
-pub(in crate::cli) fn unknown(world: &World, kind: Kind, name: &str, known: &[(Target, &str)]) -> Refusal {
-    let list: Vec<String> = known.iter().map(|(_, known)| format!("`{known}`")).collect();
-    Refusal::of(NoQuestion {
-        why: format!("no {} `{name}` in `{}`", kind.name(), world.name),
-        near: similar(name, known.iter().map(|(_, known)| *known)),
-        help: (!list.is_empty()).then(|| format!("there is {}", list.join(", "))),
-    })
 }

@@ -5,40 +5,15 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
-use crate::analysis::Beyond;
 use crate::ir::{Program, WorldId};
 use crate::reach::Refutation;
+
+pub(in crate::cli) use crate::ask::Refuted;
 
 use crate::cli::report::program_sha256;
 
 /// Maximum number of files with the same stem, distinguished by numbers.
 const MAX_FILES: usize = 10_000;
-
-/// A run that refutes the analysis, as results have it.
-#[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub(in crate::cli) struct Refuted {
-    pub instance: String,
-    pub modes: Vec<String>,
-    pub beyond: Vec<BeyondResult>,
-    pub steps: u64,
-    pub inputs: String,
-    /// Where all that is needed to see it again was written; null if it could not be.
-    pub file: Option<PathBuf>,
-    #[serde(skip)]
-    what: String,
-}
-
-/// A number that is as it never is.
-#[derive(Debug, Clone, Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub(in crate::cli) struct BeyondResult {
-    pub variable: String,
-    pub value: String,
-    pub allowed: String,
-}
 
 /// The context of a run, for the report.
 pub(in crate::cli) struct RunInfo<'o> {
@@ -51,29 +26,15 @@ pub(in crate::cli) struct RunInfo<'o> {
 
 impl Refuted {
     /// Creates the report, with a file that reproduces it.
-    pub fn saved(program: &Program, world: WorldId, refutation: &Refutation, info: &RunInfo<'_>) -> Self {
+    pub(in crate::cli) fn saved(
+        program: &Program,
+        world: WorldId,
+        refutation: &Refutation,
+        info: &RunInfo<'_>,
+    ) -> Self {
         let mut refuted = Refuted::new(program, world, refutation);
         refuted.write(program, world, info);
         refuted
-    }
-
-    /// Creates the report without a file.
-    fn new(program: &Program, world: WorldId, refutation: &Refutation) -> Self {
-        let Refutation { script, steps, outside } = refutation;
-        let beyond = outside.beyond.iter().map(|Beyond { variable, value, allowed }| BeyondResult {
-            variable: variable.clone(),
-            value: value.clone(),
-            allowed: allowed.clone(),
-        });
-        Refuted {
-            instance: outside.instance.clone(),
-            modes: outside.modes.clone(),
-            beyond: beyond.collect(),
-            steps: *steps,
-            inputs: script.text(program, world),
-            file: None,
-            what: outside.to_string(),
-        }
     }
 
     /// Writes everything needed to reproduce it beside the program, or else into the current directory. Overwrites
@@ -106,14 +67,14 @@ impl Refuted {
     }
 
     /// The report in one line.
-    pub fn line(&self) -> String {
+    pub(in crate::cli) fn line(&self) -> String {
         let file = self.file.as_ref().map_or(String::new(), |path| format!("; see {}", path.display()));
         let steps = if self.steps == 1 { "step" } else { "steps" };
         format!("the analysis is wrong about this world: after {} {steps}, {}{file}", self.steps, self.what)
     }
 
     /// The report as text after the answers.
-    pub fn human(&self) -> String {
+    pub(in crate::cli) fn human(&self) -> String {
         let steps = if self.steps == 1 { "step" } else { "steps" };
         let mut out = format!(
             "  the analysis is wrong about this world: nothing is proven by it\n    after {} {steps}, {}\n",

@@ -2,12 +2,8 @@
 
 pub(in crate::cli) mod args;
 mod record;
-mod result;
 mod text;
 mod ways;
-
-#[cfg(feature = "testing")]
-pub(in crate::cli) use result::json_schema;
 
 use std::collections::BTreeSet;
 use std::io::{self, IsTerminal, Write};
@@ -23,7 +19,7 @@ use crate::ir::{Program, WorldId};
 use crate::json::{self, Layout};
 use crate::parallel;
 use crate::source::SourceMap;
-use crate::suite::{NoWays, Subject, TestOptions, Tested, Ways, junit, lcov, run_test};
+use crate::suite::{CoverageResult, NoWays, Subject, SuiteResult, TestOptions, Tested, Ways, junit, lcov, run_test};
 use crate::watch::Watch;
 use crate::why::{Covered, PlaceCoverage};
 
@@ -33,7 +29,6 @@ use crate::cli::disk::Disk;
 use crate::cli::report::{Loaded, colored, has_maps, plain_error, show, show_fact, written};
 use crate::cli::watches::Interrupt;
 use args::TestArgs;
-use result::{CoverageResult, RESULT_VERSION, SuiteResult};
 use ways::WayFolder;
 
 /// A program with its tests.
@@ -57,19 +52,7 @@ pub(in crate::cli) fn run(args: &TestArgs) -> io::Result<Exit> {
     }
     let Some((files, filtered)) = load(args, &numbers)? else { return Ok(Exit::Refused) };
     let started = Instant::now();
-    let mut result = SuiteResult {
-        version: RESULT_VERSION,
-        hypedc: env!("CARGO_PKG_VERSION").to_string(),
-        seed: args.seed,
-        nodes: args.nodes,
-        passed: 0,
-        failed: 0,
-        filtered,
-        not_run: 0,
-        tests: Vec::new(),
-        coverage: None,
-        seconds: 0.0,
-    };
+    let mut result = SuiteResult::new(args.seed, args.nodes, filtered);
     let covered = run_all(args, &files, &numbers, &mut result)?;
     result.seconds = started.elapsed().as_secs_f64();
     if let (Some(path), Some(covered)) = (&args.lcov, &covered)
@@ -198,9 +181,7 @@ fn run_all(
             result.not_run += 1;
             continue;
         };
-        result.passed += usize::from(test.passed);
-        result.failed += usize::from(!test.passed);
-        result.tests.push(test);
+        result.add(test);
         if let Some(covered) = covered {
             sums[*file].get_or_insert_with(|| Covered::new(&files[*file].program)).add(&covered);
         }

@@ -3,10 +3,9 @@
 use crate::diagnostic::catalogue::test::TestFailed;
 use crate::diagnostic::{Diagnostics, render};
 use crate::source::SourceMap;
-use crate::suite::{ClaimResult, TestResult};
+use crate::suite::{ClaimResult, CoverageResult, SuiteResult, TestResult};
 use crate::why::{Atom, EdgeCoverage, Place, shown};
 
-use super::result::{CoverageResult, SuiteResult};
 use crate::cli::reach::counted;
 
 /// Maximum number of characters of a script in a finding.

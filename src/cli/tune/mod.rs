@@ -12,6 +12,7 @@ pub(in crate::cli) use {result::json_schema, tiles::json_schema as tiles_schema}
 use std::io::{self, Write};
 use std::time::Instant;
 
+use crate::ask::{read_scripts, unknown};
 use crate::compile::{
     Asked, Changes, Compilation, ExtraConstraint, ExtraQuestion, NumberSetting, compile_changed, question_name,
     written_number,
@@ -29,7 +30,7 @@ use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::disk::Disk;
 use crate::cli::goal::chosen_goal;
-use crate::cli::reach::question::{NEVER, WITHOUT, asked_only, read_scripts, unknown};
+use crate::cli::reach::question::{NEVER, WITHOUT, asked_only};
 use crate::cli::reach::refuted::{Refuted, RunInfo, command_line};
 use crate::cli::reach::shade;
 use crate::cli::refusal::Refusal;
@@ -132,7 +133,7 @@ impl Host for Disked<'_> {
 /// The question of the arguments.
 fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Question, Refusal> {
     let axes = args.vary.iter().map(|vary| axis(args, vary)).collect::<Result<Vec<Axis>, Refusal>>()?;
-    let after = read_scripts(loaded, world, &args.after)?;
+    let after = read_scripts(loaded, world, (&args.after, "--after"))?;
     let table = &loaded.program.worlds[world];
     let goal = chosen_goal(table, args.goal.as_deref()).map_err(Refusal::of)?;
     let min_hold = args.min_hold.map_or(1, |time| time.steps(table));

@@ -12,4 +12,6 @@ pub(super) mod navigate;
 pub(super) mod rename;
 pub(super) mod signature;
 pub(super) mod structure;
+#[cfg(feature = "lsp")]
+pub(super) mod tests;
 pub(super) mod tokens;

@@ -5,6 +5,7 @@ use gen_lsp_types::{PositionEncodingKind, ServerCapabilities};
 use serde_json::{Value, json};
 
 use super::client::Client;
+use super::commands::COMMANDS;
 use super::tokens;
 use crate::lsp::text::document_text::Encoding;
 
@@ -65,6 +66,11 @@ pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
         inlay_hint_provider: Some(true.into()),
         code_lens_provider: Some(types::CodeLensOptions::default()),
         call_hierarchy_provider: Some(true.into()),
+        execute_command_provider: Some(types::ExecuteCommandOptions {
+            // An editor that has commands of these names sends them without this list.
+            commands: if client.has_commands { Vec::new() } else { words(COMMANDS).unwrap_or_default() },
+            ..Default::default()
+        }),
         workspace: Some(types::WorkspaceOptions {
             workspace_folders: Some(types::WorkspaceFoldersServerCapabilities {
                 supported: Some(true),

@@ -19,6 +19,10 @@ pub(super) struct Client {
     pub wants_verdicts: bool,
     /// Whether it supports snippets in completion items.
     pub has_snippets: bool,
+    /// Whether it shows the progress of work, and creates tokens for it.
+    pub shows_progress: bool,
+    /// Whether it has commands of its own with the names of the server's, by its option `ownCommands`.
+    pub has_commands: bool,
     /// Whether it highlights syntax by its own grammar, so that semantic tokens contain only names.
     pub has_grammar: bool,
 }
@@ -43,6 +47,11 @@ impl Client {
             refreshes_hints: flag("/workspace/inlayHint/refreshSupport"),
             refreshes_lenses: flag("/workspace/codeLens/refreshSupport"),
             wants_verdicts: wants_verdicts(&params["initializationOptions"]).unwrap_or(true),
+            shows_progress: flag("/window/workDoneProgress"),
+            has_commands: params
+                .pointer("/initializationOptions/ownCommands")
+                .and_then(Value::as_bool)
+                .unwrap_or(false),
             has_grammar: flag("/textDocument/semanticTokens/augmentsSyntaxTokens"),
             has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }

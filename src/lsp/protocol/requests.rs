@@ -5,6 +5,8 @@ use lsp_server::{ErrorCode, Request, Response};
 
 use super::context::{Context, Failure, response};
 use super::handlers::{self, Answer};
+use super::play::Plays;
+use super::runnable::{TestsRequest, tests};
 use super::tokens;
 use super::uri::path_of;
 
@@ -33,6 +35,7 @@ macro_rules! requests {
                 "hypedc/idle" => Needs::Idle,
                 "hypedc/asked" => Needs::Asked,
                 "hypedc/levels" | "hypedc/chooseLevel" => Needs::Open,
+                "hypedc/tests" => Needs::All,
                 _ => Needs::Text,
             }
         }
@@ -45,6 +48,8 @@ macro_rules! requests {
                 }),)*
                 // For scripts and tests: the response follows the last findings.
                 "hypedc/idle" | "hypedc/asked" => response(request.id, Ok(())),
+                "hypedc/page" => response(request.id, Ok(Plays::page())),
+                "hypedc/tests" => context.handle::<TestsRequest>(request, |context, params| tests(context, params)),
                 "hypedc/text" => context.handle::<TextRequest>(request, |context, params| text(context, params)),
                 method => {
                     let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{method}`"));

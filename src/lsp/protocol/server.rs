@@ -18,16 +18,20 @@ use super::background::Report;
 use super::broken;
 use super::capabilities::{capabilities, watchers};
 use super::client::{Client, wants_verdicts};
+use super::commands::{self, Begun};
 use super::context::{Context, Failure, response};
 use super::extensions;
 use super::findings::Published;
 use super::from_protocol::{changes, folders};
 use super::live::{Effects, Live};
+use super::play::Plays;
 use super::requests::{self, Needs};
+use super::tasks::{self, Tasks, Told};
 use super::tokens::SentTokens;
 use super::uri::path_of;
 use super::worker::{Event, Job, Stages, Worker};
 use crate::lsp::Workspace;
+use crate::lsp::buffers::Buffers;
 use crate::lsp::documents::Documents;
 use crate::lsp::verdicts::ask::Budget;
 use crate::lsp::verdicts::shown::Shown;
@@ -73,6 +77,10 @@ pub struct Server {
     has_shut_down: bool,
     /// The id of the last request to the client.
     last_request: i32,
+    /// Commands that run.
+    tasks: Tasks,
+    /// Play sessions.
+    plays: Plays,
     /// The programs with a reported panic, until they are compiled again.
     failed: BTreeSet<PathBuf>,
     live: Live,
@@ -95,6 +103,7 @@ impl Server {
         };
         let (jobs, job_receiver) = unbounded();
         let (event_sender, events) = unbounded();
+        let (told_sender, told) = unbounded();
         let has_ended = Arc::new(AtomicBool::new(false));
         let worker_has_ended = Arc::clone(&has_ended);
         let worker = Worker {
@@ -113,7 +122,12 @@ impl Server {
         let mut server = Server {
             context: Context {
                 client,
-                view: View { documents: Documents::default(), programs: BTreeMap::new(), last_rename: None, disk },
+                view: View {
+                    documents: Documents::default(),
+                    programs: BTreeMap::new(),
+                    last_rename: None,
+                    disk: Arc::clone(&disk),
+                },
                 tokens: SentTokens::default(),
                 verdicts: Shown::default(),
             },
@@ -131,11 +145,13 @@ impl Server {
             waiting: Vec::new(),
             has_shut_down: false,
             last_request: 0,
+            tasks: Tasks::new(told_sender.clone(), Arc::clone(&disk)),
+            plays: Plays::new(Arc::clone(&disk), told_sender),
             failed: BTreeSet::new(),
             live,
         };
         server.respond(id, Ok(result));
-        let was_shut_down = server.run(&receiver, &events, &reports);
+        let was_shut_down = server.run(&receiver, (&events, &told, &reports));
         has_ended.store(true, Ordering::Relaxed);
         drop(server);
         drop((events, reports));
@@ -144,7 +160,11 @@ impl Server {
         was_shut_down
     }
 
-    fn run(&mut self, messages: &Receiver<Message>, events: &Receiver<Event>, reports: &Receiver<Report>) -> bool {
+    fn run(
+        &mut self,
+        messages: &Receiver<Message>,
+        (events, told, reports): (&Receiver<Event>, &Receiver<Told>, &Receiver<Report>),
+    ) -> bool {
         loop {
             self.submit_job();
             select! {
@@ -168,6 +188,10 @@ impl Server {
                     let Ok(report) = report else { return false };
                     self.report(report);
                 }
+                recv(told) -> told => {
+                    let Ok(told) = told else { return false };
+                    self.told(told);
+                }
             }
         }
     }
@@ -181,6 +205,7 @@ impl Server {
         self.live.changed(self.revision);
         let outdated = self.context.verdicts.changed(&self.changed);
         outdated.iter().for_each(|root| self.show_verdicts(root));
+        self.plays.update(self.context.view.documents.all());
         let job = Job {
             revision: self.revision,
             open: Arc::clone(self.context.view.documents.all()),
@@ -228,8 +253,58 @@ impl Server {
             let failure = Failure::new(ErrorCode::InvalidRequest, "the server has shut down or is already initialized");
             return self.respond::<()>(request.id, Err(failure));
         }
+        if commands::is_task(&request.method) {
+            return self.begin(request);
+        }
+        if request.method == "hypedc/play" {
+            self.plays.update(self.context.view.documents.all());
+            let asked = self.plays.ask(request.id.clone(), request.params);
+            return if let Err(failure) = asked {
+                self.respond::<()>(request.id, Err(failure))
+            };
+        }
         let needs = requests::needs(&request.method);
         if self.is_ready(needs) { self.dispatch(request) } else { self.waiting.push((request, needs)) }
+    }
+
+    /// Begins the task of a request, on the texts as they are now.
+    fn begin(&mut self, request: Request) {
+        let view = &self.context.view;
+        let buffers = Buffers { open: Arc::clone(view.documents.all()), disk: Arc::clone(&view.disk) };
+        let Begun { title, token, work } = match commands::task(&request, buffers) {
+            Ok(begun) => begun,
+            Err(failure) => return self.respond::<()>(request.id, Err(failure)),
+        };
+        let token = token.or_else(|| {
+            self.context.client.shows_progress.then(|| {
+                let token = json!(format!("hypedc {}", self.last_request + 1));
+                self.send_request("window/workDoneProgress/create", json!({ "token": token }));
+                token
+            })
+        });
+        if let Some(token) = &token {
+            self.notify("$/progress", tasks::begun(token, &title));
+        }
+        self.tasks.begin(request.id, token, work);
+    }
+
+    /// A task is on its way, or done.
+    fn told(&mut self, told: Told) {
+        match told {
+            Told::Progress { token, percentage, message } => {
+                self.notify("$/progress", tasks::reported(&token, percentage, &message));
+            }
+            Told::Done(id, result) => {
+                if let Some(token) = self.tasks.done(&id) {
+                    self.notify("$/progress", tasks::ended(&token));
+                }
+                self.respond(id, result);
+            }
+        }
+    }
+
+    fn notify(&self, method: &str, params: Value) {
+        let _ = self.sender.send(Notification { method: method.into(), params }.into());
     }
 
     fn is_ready(&self, needs: Needs) -> bool {
@@ -316,12 +391,16 @@ impl Server {
                 folders.extend(params.event.added.iter().map(|f| path_of(&f.uri)));
                 (self.rescan, self.has_unsent_changes) = (true, true);
             }
+            "window/workDoneProgress/cancel" => {
+                self.tasks.cancel_progress(&params["token"]);
+            }
             "$/cancelRequest" => {
                 let Some(params) = read::<types::CancelNotification>(params) else { return };
                 let id = match params.id {
                     types::Id::Int(number) => RequestId::from(number),
                     types::Id::String(text) => RequestId::from(text),
                 };
+                self.tasks.cancel(&id);
                 if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
                     self.waiting.remove(at);
                     self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
@@ -462,7 +541,7 @@ impl Server {
     /// Sends an error message to the editor: to its log, or as a pop-up.
     fn show_error(&self, method: &str, text: &str) {
         let params = json!({ "type": types::MessageType::Error, "message": text });
-        let _ = self.sender.send(Notification { method: method.into(), params }.into());
+        self.notify(method, params);
     }
 
     /// Publishes the diagnostics of documents for which they changed.

@@ -37,11 +37,11 @@ pub(super) struct ToProtocol<'s> {
 
 impl ToProtocol<'_> {
     /// The URI of a file: that of the editor if it is open.
-    fn uri(self, path: &Path) -> Uri {
+    pub fn uri(self, path: &Path) -> Uri {
         self.documents.get(path).map_or_else(|| uri_of(path), |document| Uri(document.uri.clone()))
     }
 
-    fn range(self, text: &Text, bytes: &Range<usize>) -> types::Range {
+    pub fn range(self, text: &Text, bytes: &Range<usize>) -> types::Range {
         range(text, bytes, self.client.encoding)
     }
 

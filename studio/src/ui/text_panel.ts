@@ -52,6 +52,8 @@ export class TextPanel implements Panel {
   private isShown = false;
   private isFilling = false;
   private timer = 0;
+  /** Shows places in another editor, if the page is beside one. */
+  elsewhere: ((place: Place) => void) | null = null;
   /** The files whose texts differ from the disk. */
   unsaved: string[] = [];
   /** When a file was last saved from here, ms. */
@@ -260,6 +262,7 @@ export class TextPanel implements Panel {
 
   /** Shows a place of the text. */
   async goTo(place: Place): Promise<void> {
+    if (this.elsewhere) return this.elsewhere(place);
     if (place.path !== this.path) {
       await this.flush();
       this.path = place.path;

@@ -97,6 +97,15 @@ function M.enable()
       vim.api.nvim_buf_create_user_command(event.buf, 'HypedSim', function(given)
         M.sim(vim.api.nvim_buf_get_name(event.buf), nil, given.args ~= '' and given.args or nil)
       end, { nargs = '?', desc = 'Run an input script' })
+      vim.api.nvim_buf_create_user_command(event.buf, 'HypedTest', function(given)
+        require('hyped.tests').run(event.buf, given.args ~= '' and given.args or nil)
+      end, {
+        nargs = '?',
+        desc = 'Run the tests of the program, or one of them',
+        complete = function(start)
+          return vim.tbl_filter(function(name) return vim.startswith(name, start) end, require('hyped.tests').names(event.buf))
+        end,
+      })
     end,
   })
   -- For nvim-treesitter: `:TSInstall hyped`.

@@ -1,17 +1,18 @@
-//! The result of `hypedc test` as a record, from which JSON and text are made.
+//! The result of all tests as a record, from which JSON and text are made.
 
 use serde::Serialize;
 
-use crate::suite::TestResult;
 use crate::why::{EdgeCoverage, ModeCoverage, PlaceCoverage};
 
+use super::record::TestResult;
+
 /// The version of the JSON result.
-pub(super) const RESULT_VERSION: u32 = 1;
+const RESULT_VERSION: u32 = 1;
 
 /// What came of all tests.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub(super) struct SuiteResult {
+pub struct SuiteResult {
     /// The version of this format.
     pub version: u32,
     /// The version of the command.
@@ -37,10 +38,36 @@ pub(super) struct SuiteResult {
     pub seconds: f64,
 }
 
+impl SuiteResult {
+    /// A result without tests.
+    pub fn new(seed: u64, nodes: u64, filtered: usize) -> Self {
+        SuiteResult {
+            version: RESULT_VERSION,
+            hypedc: env!("CARGO_PKG_VERSION").to_string(),
+            seed,
+            nodes,
+            passed: 0,
+            failed: 0,
+            filtered,
+            not_run: 0,
+            tests: Vec::new(),
+            coverage: None,
+            seconds: 0.0,
+        }
+    }
+
+    /// Adds a test.
+    pub fn add(&mut self, test: TestResult) {
+        self.passed += usize::from(test.passed);
+        self.failed += usize::from(!test.passed);
+        self.tests.push(test);
+    }
+}
+
 /// What the runs of the tests and the ways that they found cover.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub(super) struct CoverageResult {
+pub struct CoverageResult {
     /// Number of runs: those of inputs, and the ways that were found.
     pub runs: u64,
     /// Number of steps of all of them.
@@ -52,6 +79,7 @@ pub(super) struct CoverageResult {
 }
 
 impl CoverageResult {
+    /// The modes and edges of a coverage.
     pub fn new(coverage: &PlaceCoverage) -> Self {
         CoverageResult {
             runs: coverage.runs,
@@ -64,6 +92,6 @@ impl CoverageResult {
 
 /// The schema of the JSON result.
 #[cfg(feature = "testing")]
-pub(in crate::cli) fn json_schema() -> schemars::Schema {
+pub fn suite_schema() -> schemars::Schema {
     schemars::schema_for!(SuiteResult)
 }

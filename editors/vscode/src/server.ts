@@ -1,0 +1,146 @@
+// Requests to the language server beside those of the protocol: commands that run a program, what can be run, play sessions.
+
+import * as vscode from 'vscode';
+import type { LanguageClient } from 'vscode-languageclient/node';
+
+/** A place in a file: lines and columns from 1. */
+export interface Place {
+  path: string;
+  line: number;
+  column: number;
+  end_line: number;
+  end_column: number;
+}
+
+/** A name in a document. */
+export interface Named {
+  name: string;
+  range: LspRange;
+  selectionRange: LspRange;
+}
+
+export interface LspRange {
+  start: { line: number; character: number };
+  end: { line: number; character: number };
+}
+
+/** What can be run of a world. */
+export interface World extends Named {
+  /** Whether a map is left open: it needs a level. */
+  isOpen: boolean;
+  goals: Named[];
+  nevers: Named[];
+  tests: Named[];
+}
+
+/** The worlds of a document. */
+export interface Runnable {
+  uri: string;
+  worlds: World[];
+}
+
+/** A part of a predicate, with its values. */
+export interface Atom {
+  text: string;
+  held: boolean | null;
+  sides: [number, number] | null;
+}
+
+/** A range of VS Code. */
+export function rangeOf({ start, end }: LspRange): vscode.Range {
+  return new vscode.Range(start.line, start.character, end.line, end.character);
+}
+
+/** The location of a place. */
+export function locationOf({ path, line, column, end_line, end_column }: Place): vscode.Location {
+  return new vscode.Location(vscode.Uri.file(path), new vscode.Range(line - 1, column - 1, end_line - 1, end_column - 1));
+}
+
+/** The levels that were chosen for worlds that leave their map open. */
+export class Levels {
+  constructor(private readonly memory: vscode.Memento) {}
+
+  private key(uri: string, world: string): string {
+    return `level ${uri} ${world}`;
+  }
+
+  /** The URI of the level of a world; asks for one if none was chosen. Undefined if none is needed, null if none was chosen. */
+  async of(uri: string, world: World, isAsked = true): Promise<string | undefined | null> {
+    if (!world.isOpen) return undefined;
+    const known = this.memory.get<string>(this.key(uri, world.name));
+    if (known) return known;
+    return isAsked ? this.choose(uri, world.name) : null;
+  }
+
+  /** Asks for a level of a world, and remembers it. */
+  async choose(uri: string, world: string): Promise<string | null> {
+    const found = await vscode.workspace.findFiles('**/*.{txt,tmx,tmj,ldtk}', '**/{node_modules,target}/**', 2000);
+    const folder = uri.slice(0, uri.lastIndexOf('/'));
+    const isNear = (level: vscode.Uri) => Number(!level.toString().startsWith(folder));
+    const items = found
+      .sort((a, b) => isNear(a) - isNear(b) || a.path.localeCompare(b.path))
+      .map((level) => ({ label: vscode.workspace.asRelativePath(level), uri: level.toString() }));
+    if (items.length === 0) {
+      await vscode.window.showErrorMessage(`The world ${world} leaves its map open, and there is no level in the workspace.`);
+      return null;
+    }
+    const chosen = await vscode.window.showQuickPick(items, { title: `Which level for ${world}?` });
+    if (!chosen) return null;
+    await this.memory.update(this.key(uri, world), chosen.uri);
+    return chosen.uri;
+  }
+}
+
+/** The server, while it runs. */
+export class HypedServer {
+  constructor(private readonly client: () => LanguageClient | undefined) {}
+
+  private running(): LanguageClient {
+    const client = this.client();
+    if (!client?.isRunning()) throw new Error('the language server does not run');
+    return client;
+  }
+
+  get isRunning(): boolean {
+    return this.client()?.isRunning() ?? false;
+  }
+
+  /** Runs a command on the texts of the editor; `report` is told how far it is. */
+  async execute<T>(command: string, about: object, token?: vscode.CancellationToken, report?: (message: string, percentage: number) => void): Promise<T> {
+    const client = this.running();
+    const workDoneToken = `hypedc-editor-${++tokens}`;
+    const progress = client.onProgress(workDone, workDoneToken, (value) => report?.(value.message ?? '', value.percentage ?? 0));
+    try {
+      const params = { command, arguments: [about], workDoneToken };
+      return await client.sendRequest<T>('workspace/executeCommand', params, token);
+    } finally {
+      progress.dispose();
+    }
+  }
+
+  /** What can be run in a document, or in all programs of the workspace. */
+  runnable(uri?: vscode.Uri, token?: vscode.CancellationToken): Promise<Runnable[]> {
+    const params = uri ? { textDocument: { uri: uri.toString() } } : {};
+    return this.running().sendRequest<Runnable[]>('hypedc/tests', params, token);
+  }
+
+  /** The page of a play session. */
+  page(): Promise<string> {
+    return this.running().sendRequest<string>('hypedc/page');
+  }
+
+  /** Asks a play session. */
+  play<T>(params: object): Promise<T> {
+    return this.running().sendRequest<T>('hypedc/play', params);
+  }
+
+  /** The text of a document with a new test. */
+  record(params: object): Promise<{ uri: string; text: string }> {
+    return this.running().sendRequest('hypedc/record', params);
+  }
+}
+
+let tokens = 0;
+
+/** The type of work-done progress. */
+const workDone = { _: undefined } as unknown as import('vscode-languageclient').ProgressType<{ kind: string; message?: string; percentage?: number }>;

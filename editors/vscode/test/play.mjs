@@ -1,0 +1,107 @@
+// What runs in the editor: a failing test at its line, the page that plays the text, the statechart, code actions.
+
+import assert from 'node:assert/strict';
+
+/** A walk to the right over a gap, with tests of which one fails. */
+const WALK = `/// Walks, and leaps.
+entity Walker {
+    param speed = 90
+    button leap
+    axis horizontal
+
+    collider body: rect(0, 0, 12, 16)
+
+    mode walking {
+        x' = speed * horizontal
+        y'' = -900
+        when pressed(leap) -> leaping { y' := 260 }
+    }
+    mode leaping {
+        x' = speed * horizontal
+        y'' = -900
+        when y' < 0 and touching(body, ground, below) -> walking
+    }
+}
+
+world Gap {
+    step 1/60
+
+    collide body with ground: block
+
+    tiles land 16 x 16 {
+        '.': empty
+        '#': ground
+    }
+
+    space main {
+        map land "
+            ........................................
+            ........................................
+            ########...#############################
+        "
+        place hero: Walker at (16, 16)
+    }
+    player 1: hero
+
+    goal over: hero.x > 200
+    never fell: hero.y < 0
+
+    test "a walk" {
+        inputs "right*30"
+        expect hero.x > 40 at end
+    }
+    test "a leap" {
+        inputs "right*10 right+leap right*20"
+        expect hero.y > 400 at end
+    }
+}
+`;
+
+/** The names of five mistakes, and the right ones. */
+const MISTAKES = `entity Ball {
+    param weight = 3
+    button throw_it
+    continuous spin = 0
+
+    collider body: rect(0, 0, 8, 8)
+
+    mode resting {
+        when pressed(throw_itt) -> flyng
+    }
+    mode flying {
+        y'' = -9 * weigth
+        spin' = spinn
+        when touching(bodi, wall) -> resting
+    }
+}
+
+world Hall {
+    collide body with wall: block
+    space main {
+        rect wall (0, 0, 64, 8)
+        place ball: Ball at (0, 32)
+    }
+    player 1: ball
+}
+`;
+
+async function tour({ page, keyboard, see, gone, look, command, open, go }) {
+  await open('0walk.hyped');
+  await see('.view-line', 'Walks, and leaps');
+  // A test fails at its line, with its values.
+  await command('Test: Run Tests in Current File');
+  await see('.monaco-editor .zone-widget, .monaco-editor .test-message-inline-content, .view-line', 'hero.y > 400');
+  await see('.testing-diff-editor, .test-output-peek, .testing-inline-message-severity-0, .test-message-inline-content', '');
+  await look('test-failed');
+  await keyboard.press('Escape');
+
+  // The page plays the text; keys play, the slider goes back, the modes of the frame are lit.
+  await page.locator('.editor-group-container.active .view-lines').first().click();
+  await command('Hyped: Play and Scrub');
+  const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
+  await shown.locator('canvas').first().waitFor();
+  await shown.getByText('0walk').first().waitFor();
+  await look('timeline');
+}
+
+export const play = { files: { '0walk.hyped': WALK, '0ball.hyped': MISTAKES }, tour };

@@ -1,0 +1,43 @@
+//! Questions by names, as the command line and the language server ask them: a world, a goal, an instance become ids, and
+//! answers become records. The records are what `--format json` prints. No stage of the compiler needs this module.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `refusal` | why a question cannot be asked |
+//! | `world` | worlds by name |
+//! | `run` | runs of inputs, and what happens in them |
+//! | `reach` | questions about what is reached, and their answers |
+//! | `refuted` | a run that refutes the analysis |
+//! | `why` | questions about a step, and their answers |
+//! | `hash` | hashes of programs |
+
+mod hash;
+mod reach;
+mod refusal;
+mod refuted;
+mod run;
+mod why;
+mod world;
+
+use std::sync::Arc;
+
+use crate::ir::Program;
+use crate::source::SourceMap;
+
+pub use hash::{program_sha256, sha256};
+pub use reach::{GoalResult, RunResult, read_scripts, targets, unknown};
+pub use refusal::Refusal;
+pub use refuted::{BeyondResult, Refuted};
+pub use run::{Observed, OnState, RunEnd, SimResult, drive};
+pub use why::{Asked, WhyQuestion, WhyResult, answer_why};
+pub use world::{find_world, open_world};
+#[cfg(feature = "testing")]
+pub use {reach::reach_schema, run::sim_schema, why::why_schema};
+
+/// A program that compiled, and its files.
+pub struct Loaded {
+    /// The files.
+    pub sources: SourceMap,
+    /// The program.
+    pub program: Arc<Program>,
+}

@@ -1,0 +1,146 @@
+//! `reach`: searches for goals and counterexamples.
+
+use std::ops::ControlFlow;
+
+use super::{Monitor, ReachArguments, named};
+use crate::ask::{Refusal, Refuted, RunResult, read_scripts, targets};
+use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, added_nevers};
+use crate::corpus;
+use crate::ir::{World, WorldId};
+use crate::lsp::buffers::Buffers;
+use crate::reach::query::{Phase, Query, QueryError, Session, Supervisor};
+use crate::reach::{Limits, Settings, Target};
+use crate::watch::Watch;
+
+/// The sources of what is asked beside the program.
+const GOALS: &str = "goals";
+const NEVERS: &str = "nevers";
+const WITHOUT: &str = "without";
+
+pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn Monitor) -> Result<RunResult, String> {
+    let ReachArguments { program, goals, nevers, without, after, .. } = arguments;
+    let numbers = program.numbers()?;
+    let world = program.world.as_deref();
+    let question = |asked, origin| move |text: &'_ String| (asked, origin, text.clone());
+    let texts: Vec<(Asked, &str, String)> = goals
+        .iter()
+        .map(question(Asked::Goal, GOALS))
+        .chain(nevers.iter().map(question(Asked::Never, NEVERS)))
+        .collect();
+    let questions: Vec<ExtraQuestion<'_>> =
+        texts.iter().map(|(asked, origin, text)| ExtraQuestion { asked: *asked, world, text, origin }).collect();
+    let constraint =
+        without.as_deref().map(|predicate| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT });
+    let changes = Changes { questions: &questions, constraint, numbers: &numbers };
+    let (mut loaded, _) = program.load(&changes, buffers)?;
+    let world = program.world(&loaded)?;
+    let table = &loaded.program.worlds[world];
+    // The compiler appends it.
+    let excluded = without.as_ref().and_then(|_| table.nevers.ids().next_back());
+    let chosen = targets(table, (goals, nevers), excluded).map_err(|why| why.sentence(&loaded.sources))?;
+    let asked = added_nevers(&loaded.program, &loaded.sources, world, NEVERS);
+    let scripts = read_scripts(&mut loaded, world, (after, "after"));
+    let scripts = scripts.map_err(|why| why.sentence(&loaded.sources))?;
+    let settings = Settings { seed: arguments.seed.unwrap_or(1), ..Settings::default() };
+    let limits = Limits { nodes: arguments.nodes.unwrap_or(Limits::default().nodes), ..Limits::default() };
+    let query = Query {
+        settings,
+        limits,
+        without: excluded.into_iter().collect(),
+        asked,
+        after: scripts,
+        minimizes: arguments.minimize,
+        chance: arguments.chance,
+        ..Query::new(chosen)
+    };
+    let count = query.targets.len();
+    monitor.part(0, count + 1, "analysis");
+    let started = monitor.seconds();
+    let session = Session::new(&loaded.program, world, query, monitor);
+    let mut phases = Phases { monitor, world: &loaded.program.worlds[world], done: 0, count, seconds: Vec::new() };
+    let recorded = recorded(arguments, &settings, &limits);
+    let mut result = RunResult::new(&named(&program.path), &session, recorded, monitor.seconds() - started);
+    let all =
+        session.find_all(&mut phases).map_err(|error| refusal(&loaded.program, world, &error, &loaded.sources))?;
+    result.refuted = session.refutation().map(|found| Refuted::new(&loaded.program, world, &found));
+    for (mut found, seconds) in all.into_iter().zip(phases.seconds) {
+        let answer = session.answer(&mut found, &loaded.sources);
+        result.add(answer, &found.outcome, seconds, false);
+    }
+    Ok(result)
+}
+
+/// Why a session cannot answer.
+fn refusal(
+    program: &crate::ir::Program,
+    world: WorldId,
+    error: &QueryError,
+    sources: &crate::source::SourceMap,
+) -> String {
+    match *error {
+        QueryError::Fault(fault, step) => Refusal::of(fault.fact(program, world, step)).sentence(sources),
+        QueryError::Over { script, step, .. } => {
+            format!("script {} of `after` leads nowhere: the run is over after step {step}", script + 1)
+        }
+    }
+}
+
+/// The settings, as records have them.
+fn recorded(arguments: &ReachArguments, settings: &Settings, limits: &Limits) -> corpus::Settings {
+    corpus::Settings {
+        hypedc: env!("CARGO_PKG_VERSION").to_string(),
+        seed: settings.seed,
+        planner: settings.planner.name().to_string(),
+        bounds: settings.sampling.name().to_string(),
+        metric: settings.measure.name().to_string(),
+        hold: settings.hold,
+        restart: None,
+        trees: settings.trees,
+        legend: None,
+        tile: None,
+        set: arguments.program.set.clone(),
+        without: arguments.without.clone(),
+        within: None,
+        after: arguments.after.clone(),
+        min_hold: None,
+        robust: None,
+        reaction: None,
+        chance: arguments.chance,
+        minimize: arguments.minimize,
+        nodes_limit: Some(limits.nodes),
+        seconds_limit: None,
+        memory_limit: limits.memory,
+    }
+}
+
+/// Tells which search runs.
+struct Phases<'a> {
+    monitor: &'a dyn Monitor,
+    world: &'a World,
+    done: usize,
+    count: usize,
+    /// How long each search took.
+    seconds: Vec<f64>,
+}
+
+impl Supervisor for Phases<'_> {
+    fn supervise(&mut self, phase: Phase, work: &mut dyn FnMut(&dyn Watch)) -> ControlFlow<()> {
+        let name = |target: Target| target.name(self.world).to_string();
+        let started = self.monitor.seconds();
+        match phase {
+            Phase::Search(target) => {
+                self.done += 1;
+                self.monitor.part(self.done, self.count + 1, &name(target));
+            }
+            Phase::Minimize(target) | Phase::MakeRobust(target) | Phase::MeasureRobust(target) => {
+                self.monitor.part(self.count, self.count + 1, &format!("{}, a faster path", name(target)));
+            }
+            Phase::Exchange => {}
+        }
+        work(self.monitor);
+        if matches!(phase, Phase::Search(_)) {
+            self.seconds.push(self.monitor.seconds() - started);
+        }
+        if self.monitor.stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

@@ -1,0 +1,21 @@
+//! `why`: explains a step of a run.
+
+use super::{WhyArguments, named};
+use crate::ask::{WhyQuestion, WhyResult, answer_why, read_scripts};
+use crate::compile::Changes;
+use crate::lsp::buffers::Buffers;
+
+pub(super) fn run(arguments: &WhyArguments, buffers: &Buffers) -> Result<WhyResult, String> {
+    let WhyArguments { program, inputs, at, instance, mode, edge, not, chance } = arguments;
+    let numbers = program.numbers()?;
+    let (mut loaded, _) = program.load(&Changes { numbers: &numbers, ..Changes::default() }, buffers)?;
+    let world = program.world(&loaded)?;
+    let texts = std::slice::from_ref(inputs);
+    let scripts = read_scripts(&mut loaded, world, (texts, "inputs"));
+    let script = scripts.map_err(|why| why.sentence(&loaded.sources))?.into_iter().next().unwrap_or_default();
+    let (instance, mode, edge) = (instance.clone(), mode.clone(), edge.clone());
+    let question = WhyQuestion { instance, mode, edge, not: *not, at: *at };
+    let run = (&script, chance.unwrap_or_default());
+    let answered = answer_why(&loaded, world, &named(&program.path), run, &question);
+    answered.map(|(result, ..)| result).map_err(|why| why.sentence(&loaded.sources))
+}

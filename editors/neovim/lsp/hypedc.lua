@@ -4,4 +4,5 @@ return {
   cmd = { vim.g.hypedc_path or 'hypedc', 'lsp' },
   filetypes = { 'hyped' },
   root_markers = { '.git' },
+  init_options = { verdicts = require('hyped.verdicts').wanted() },
 }

@@ -6,10 +6,11 @@ import { setTimeout } from 'node:timers/promises';
 import * as vscode from 'vscode';
 import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
 import { Charts } from './chart';
-import { page, reach, simulate, worldsOf } from './hypedc';
-import { HypedServer, Levels, type World } from './server';
+import { page, reach, simulate, type Target, worldsOf } from './hypedc';
+import { HypedServer, type Level, Levels, type World } from './server';
 import { Tests } from './tests';
 import { Timelines } from './timeline';
+import { play } from './verdicts';
 
 /** A client without error messages of its own until the server has responded: `startServer` reports a failed start. */
 class Client extends LanguageClient {
@@ -45,7 +46,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const snippets: Record<string, { prefix: string }> = JSON.parse(await readFile(context.asAbsolutePath('snippets/hyped.json'), 'utf8'));
   prefixes = new Set(Object.values(snippets).map(({ prefix }) => prefix));
   const server = new HypedServer(() => client);
-  const levels = new Levels(context.workspaceState);
+  const levels = new Levels(server);
   const tests = new Tests(server, levels);
   const timelines = new Timelines(server, levels);
   const charts = new Charts(server, timelines);
@@ -75,10 +76,18 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     // Code lenses of the server call `sim` and `reach` with a URI, the name of a world and, for a search, of a goal.
     // The server does not announce these commands: the client would register them a second time.
     vscode.commands.registerCommand('hypedc.check', (uri?: string) => check(uri)),
-    vscode.commands.registerCommand('hypedc.sim', (uri?: string, world?: string) => simulateCommand(context, output, uri, world)),
-    vscode.commands.registerCommand('hypedc.reach', (uri?: string, world?: string, goal?: string) => reachCommand(uri, world, goal)),
+    vscode.commands.registerCommand('hypedc.sim', (uri?: string, world?: string, level?: GivenLevel) =>
+      simulateCommand(context, output, levels, { uri, world, level }),
+    ),
+    vscode.commands.registerCommand('hypedc.reach', (uri?: string, world?: string, name?: string, level?: GivenLevel, kind?: string) =>
+      reachCommand(levels, { uri, world, level, [kind === 'never' ? 'never' : 'goal']: name }),
+    ),
+    vscode.commands.registerCommand('hypedc.play', (uri: string, world: string, goal: string, level: GivenLevel, inputs: string) =>
+      playCommand(levels, { uri, world, level, goal }, inputs),
+    ),
     vscode.commands.registerCommand('hypedc.restart', restart),
     vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration('hypedc.path') && restart()),
+    vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration('hypedc.verdicts') && configure()),
   );
   await restart();
 }
@@ -98,6 +107,15 @@ function command(): string {
   return vscode.workspace.getConfiguration('hypedc').get<string>('path') || 'hypedc';
 }
 
+function wantsVerdicts(): boolean {
+  return vscode.workspace.getConfiguration('hypedc').get<boolean>('verdicts', true);
+}
+
+/** Tells the server whether verdicts are wanted. */
+async function configure(): Promise<void> {
+  await client?.sendNotification('workspace/didChangeConfiguration', { settings: { hypedc: { verdicts: wantsVerdicts() } } });
+}
+
 async function startServer(): Promise<void> {
   const server: ServerOptions = { command: command(), args: ['lsp'], transport: TransportKind.stdio };
   const options: LanguageClientOptions = {
@@ -106,7 +124,7 @@ async function startServer(): Promise<void> {
     diagnosticCollectionName: 'hypedc',
     outputChannel: log,
     // The commands of the server have the names of the extension's own.
-    initializationOptions: { ownCommands: true },
+    initializationOptions: { ownCommands: true, verdicts: wantsVerdicts() },
     middleware: {
       // VS Code already offers the extension's snippets: drop the server's duplicates.
       provideCompletionItem: async (document, position, context, token, next) => {
@@ -240,12 +258,35 @@ async function withProgress<T>(title: string, work: (stop: AbortSignal) => Promi
   }
 }
 
-async function simulateCommand(context: vscode.ExtensionContext, output: vscode.OutputChannel, uri?: string, world?: string): Promise<void> {
-  const document = await program(uri);
-  if (!document) return;
-  const chosen = await chooseWorld(document, world);
-  if (chosen === null) return;
-  const key = `inputs ${document.uri.toString()} ${chosen ?? ''}`;
+/** What the lenses of the server give to a command. */
+interface Given {
+  uri?: string;
+  world?: string;
+  level?: GivenLevel;
+  goal?: string;
+  never?: string;
+}
+
+/** The level of a lens: one that was chosen, or `ask` if none was. */
+type GivenLevel = Level | 'ask' | null;
+
+/** What a command is about: saves the document, and asks for what is not given. Undefined if the user chose none. */
+async function targetOf(levels: Levels, given: Given): Promise<(Target & { document: vscode.TextDocument }) | undefined> {
+  const document = await program(given.uri);
+  if (!document) return undefined;
+  const world = await chooseWorld(document, given.world);
+  if (world === null) return undefined;
+  const named = world ?? worldsOf(document.getText())[0];
+  // Without the server nothing is known of levels.
+  const level = named ? await levels.for(document.uri.toString(), named, given.level).catch(() => undefined) : undefined;
+  if (level === null) return undefined;
+  return { document, file: document.uri.fsPath, world, goal: given.goal, never: given.never, level };
+}
+
+async function simulateCommand(context: vscode.ExtensionContext, output: vscode.OutputChannel, levels: Levels, given: Given): Promise<void> {
+  const target = await targetOf(levels, given);
+  if (!target) return;
+  const key = `inputs ${target.document.uri.toString()} ${target.world ?? ''}`;
   const script = await vscode.window.showInputBox({
     title: 'Which inputs?',
     prompt: 'Steps separated by blanks: right*40 right+jump*12 -*10',
@@ -253,11 +294,19 @@ async function simulateCommand(context: vscode.ExtensionContext, output: vscode.
   });
   if (script === undefined) return;
   await context.workspaceState.update(key, script);
-  const file = document.uri.fsPath;
-  const outcome = await withProgress('Simulating', (stop) => simulate(command(), { file, world: chosen }, script, stop));
+  const outcome = await withProgress('Simulating', (stop) => simulate(command(), target, script, stop));
   if (!outcome) return;
   output.appendLine(outcome.text);
   output.show(true);
+}
+
+/** Shows the run of inputs that were found. */
+async function playCommand(levels: Levels, given: Given, inputs: string): Promise<void> {
+  const target = await targetOf(levels, given);
+  if (!target) return;
+  const title = `Play ${given.goal ?? target.world ?? ''}`;
+  const html = await withProgress(title, (stop) => play(command(), target, inputs, title, stop));
+  if (html) show(JSON.stringify([target.document.uri.toString(), target.world, 'play', given.goal]), title, html);
 }
 
 /** The open panels, by document, world and goal. */
@@ -276,15 +325,13 @@ function show(key: string, title: string, html: string): void {
   panel.webview.html = html;
 }
 
-async function reachCommand(uri?: string, world?: string, goal?: string): Promise<void> {
-  const document = await program(uri);
-  if (!document) return;
-  const chosen = await chooseWorld(document, world);
-  if (chosen === null) return;
-  const file = document.uri.fsPath;
+async function reachCommand(levels: Levels, given: Given): Promise<void> {
+  const target = await targetOf(levels, given);
+  if (!target) return;
+  const { document, file, world, goal, never } = target;
   const extra = vscode.workspace.getConfiguration('hypedc', document).get<string[]>('reach.arguments', []);
-  const title = goal ? `Reach ${goal}` : `Reach ${chosen ?? basename(file)}`;
-  const found = await withProgress(title, (stop) => reach(command(), { file, world: chosen, goal }, extra, stop));
+  const title = `Reach ${goal ?? never ?? world ?? basename(file)}`;
+  const found = await withProgress(title, (stop) => reach(command(), target, extra, stop));
   if (!found) return;
-  show(JSON.stringify([document.uri.toString(), chosen, goal]), title, page(title, found));
+  show(JSON.stringify([document.uri.toString(), world, goal ?? never]), title, page(title, found));
 }

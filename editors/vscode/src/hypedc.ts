@@ -13,6 +13,10 @@ export interface Target {
   world?: string;
   /** The goal; by default, all goals of the world. */
   goal?: string;
+  /** The `never` to break, instead of a goal. */
+  never?: string;
+  /** The level of a world that leaves its map open. */
+  level?: { map: string; legend?: string; tile?: [number, number] };
 }
 
 /** The result of a command. */
@@ -35,8 +39,17 @@ export function worldsOf(text: string): string[] {
   return [...text.matchAll(/^[ \t]*world[ \t]+([\p{L}_][\p{L}\p{M}\p{N}_]*)/gmu)].map(([, name]) => name);
 }
 
-function targetArguments({ file, world, goal }: Target): string[] {
-  return [basename(file), ...(world ? ['--world', world] : []), ...(goal ? ['--goal', goal] : [])];
+function targetArguments({ file, world, goal, never, level }: Target): string[] {
+  const option = (name: string, value?: string) => (value ? [name, value] : []);
+  return [
+    basename(file),
+    ...option('--world', world),
+    ...option('--goal', goal),
+    ...option('--never', never),
+    ...option('--map', level?.map),
+    ...option('--legend', level?.legend),
+    ...option('--tile', level?.tile?.join('x')),
+  ];
 }
 
 /**
@@ -59,8 +72,29 @@ export function run(command: string, args: string[], file: string, stop?: AbortS
 }
 
 /** Runs the inputs of a script. */
-export function simulate(command: string, { file, world }: Target, script: string, stop?: AbortSignal): Promise<Outcome> {
-  return run(command, ['sim', ...targetArguments({ file, world }), '--inputs', script], file, stop);
+export function simulate(command: string, target: Target, script: string, stop?: AbortSignal): Promise<Outcome> {
+  const { file, world, level } = target;
+  return run(command, ['sim', ...targetArguments({ file, world, level }), '--inputs', script], file, stop);
+}
+
+/** Runs the inputs of a script, and reads the picture of the run. */
+export async function draw(
+  command: string,
+  target: Target,
+  script: string,
+  stop?: AbortSignal,
+): Promise<Outcome & { pictures: Picture[] }> {
+  const folder = await mkdtemp(join(tmpdir(), 'hypedc-'));
+  try {
+    const { file, world, level } = target;
+    const path = join(folder, 'run.svg');
+    const args = ['sim', ...targetArguments({ file, world, level }), '--inputs', script, '--svg', path];
+    const outcome = await run(command, args, file, stop);
+    const svg = await readFile(path, 'utf8').catch(() => undefined);
+    return { ...outcome, pictures: svg === undefined ? [] : [{ title: target.goal ?? basename(file), svg }] };
+  } finally {
+    await rm(folder, { recursive: true, force: true });
+  }
 }
 
 /** Searches, and reads the pictures: one per goal. */

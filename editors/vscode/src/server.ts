@@ -56,38 +56,56 @@ export function locationOf({ path, line, column, end_line, end_column }: Place):
   return new vscode.Location(vscode.Uri.file(path), new vscode.Range(line - 1, column - 1, end_line - 1, end_column - 1));
 }
 
-/** The levels that were chosen for worlds that leave their map open. */
-export class Levels {
-  constructor(private readonly memory: vscode.Memento) {}
+/** A level: the options of the command line, with paths. */
+export interface Level {
+  map: string;
+  legend?: string;
+  tile?: [number, number];
+}
 
-  private key(uri: string, world: string): string {
-    return `level ${uri} ${world}`;
-  }
+/** What is known about the levels of a world. */
+export interface KnownLevels {
+  /** Whether the world leaves its map open. */
+  isOpen: boolean;
+  chosen: Level | null;
+  /** Files that may be levels; `why` tells why one does not fit. */
+  levels: { map: string; name: string; fits: boolean; why: string | null }[];
+}
+
+/** The levels of worlds that leave their map open. The server keeps what was chosen. */
+export class Levels {
+  constructor(private readonly server: HypedServer) {}
 
   /** The URI of the level of a world; asks for one if none was chosen. Undefined if none is needed, null if none was chosen. */
   async of(uri: string, world: World, isAsked = true): Promise<string | undefined | null> {
     if (!world.isOpen) return undefined;
-    const known = this.memory.get<string>(this.key(uri, world.name));
-    if (known) return known;
+    const { chosen } = await this.server.levels(uri, world.name, false);
+    if (chosen) return vscode.Uri.file(chosen.map).toString();
     return isAsked ? this.choose(uri, world.name) : null;
   }
 
-  /** Asks for a level of a world, and remembers it. */
+  /** The level for a command about a world, which may be given; undefined if none is needed, null if none was chosen. */
+  async for(uri: string, world: string, given?: Level | 'ask' | null): Promise<Level | undefined | null> {
+    if (given && given !== 'ask') return given;
+    const { isOpen, chosen } = await this.server.levels(uri, world, false);
+    if (!isOpen) return undefined;
+    if (chosen) return chosen;
+    const map = await this.choose(uri, world);
+    return map === null ? null : { map: vscode.Uri.parse(map).fsPath };
+  }
+
+  /** Asks for a level of a world; the server remembers it. */
   async choose(uri: string, world: string): Promise<string | null> {
-    const found = await vscode.workspace.findFiles('**/*.{txt,tmx,tmj,ldtk}', '**/{node_modules,target}/**', 2000);
-    const folder = uri.slice(0, uri.lastIndexOf('/'));
-    const isNear = (level: vscode.Uri) => Number(!level.toString().startsWith(folder));
-    const items = found
-      .sort((a, b) => isNear(a) - isNear(b) || a.path.localeCompare(b.path))
-      .map((level) => ({ label: vscode.workspace.asRelativePath(level), uri: level.toString() }));
+    const { levels } = await this.server.levels(uri, world, true);
+    const items = levels.map(({ map, name, why }) => ({ label: name, description: why ?? undefined, map }));
     if (items.length === 0) {
-      await vscode.window.showErrorMessage(`The world ${world} leaves its map open, and there is no level in the workspace.`);
+      await vscode.window.showErrorMessage(`The world ${world} leaves its map open, and there is no level beside the program.`);
       return null;
     }
-    const chosen = await vscode.window.showQuickPick(items, { title: `Which level for ${world}?` });
+    const chosen = await vscode.window.showQuickPick(items, { title: `Which level for ${world}?`, matchOnDescription: true });
     if (!chosen) return null;
-    await this.memory.update(this.key(uri, world), chosen.uri);
-    return chosen.uri;
+    await this.server.chooseLevel(uri, world, { map: chosen.map });
+    return vscode.Uri.file(chosen.map).toString();
   }
 }
 
@@ -122,6 +140,16 @@ export class HypedServer {
   runnable(uri?: vscode.Uri, token?: vscode.CancellationToken): Promise<Runnable[]> {
     const params = uri ? { textDocument: { uri: uri.toString() } } : {};
     return this.running().sendRequest<Runnable[]>('hypedc/tests', params, token);
+  }
+
+  /** The level that was chosen for a world; with all files that may be levels, if they are wanted. */
+  levels(uri: string, world: string, all: boolean): Promise<KnownLevels> {
+    return this.running().sendRequest<KnownLevels>('hypedc/levels', { textDocument: { uri }, world, all });
+  }
+
+  /** Chooses a level for a world. */
+  chooseLevel(uri: string, world: string, level: Level | null): Promise<void> {
+    return this.running().sendRequest('hypedc/chooseLevel', { textDocument: { uri }, world, level });
   }
 
   /** The page of a play session. */

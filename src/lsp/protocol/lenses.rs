@@ -30,7 +30,7 @@ pub(super) fn lenses(context: &Context, path: &std::path::Path, document: &Docum
                 let name = level.map(|level| level.name(path));
                 add("▶ simulate".into(), "hypedc.sim", vec![json!(uri), json!(world), level_argument(context, path, &world)]);
                 let title = name.map_or("choose a level".into(), |name| format!("level: {name}"));
-                add(title, "hypedc.chooseLevel", vec![json!(uri), json!(world)]);
+                add(title, "hypedc.level", vec![json!(uri), json!(world)]);
             }
             LensCommand::Reach { world, kind, name, is_open } => {
                 let level = if is_open { level_argument(context, path, &world) } else { Value::Null };

@@ -1,8 +1,12 @@
 -- Neovim and .hyped: the filetype, the language server, tree-sitter, and commands.
 --
---     vim.g.hypedc_path    the hypedc executable: a command on the PATH, or a path
+--     vim.g.hypedc_path        the hypedc executable: a command on the PATH, or a path
+--     vim.g.hypedc_verdicts    false: no verdicts above goals while one types
 --
 -- Syntax without tree-sitter, indentation and `:make` come from the Vim files, in the folder `vim` beside this one.
+
+local level = require('hyped.level')
+local verdicts = require('hyped.verdicts')
 
 local M = {}
 
@@ -39,25 +43,30 @@ function M.run(arguments, file)
   return vim.fn.jobstart(command, { term = true, cwd = vim.fs.dirname(file) })
 end
 
---- Searches for a goal of a world, or for all goals.
+--- Searches for a goal of a world, or for all goals, in the buffers.
 ---@param file string
 ---@param world string?
 ---@param goal string?
-function M.reach(file, world, goal)
-  local arguments = { 'reach' }
-  vim.list_extend(arguments, world and { '--world', world } or {})
-  vim.list_extend(arguments, goal and { '--goal', goal } or {})
-  return M.run(arguments, file)
+---@param chosen table? the level of a world that leaves its map open
+---@param kind string? `'never'` for a way to break one
+function M.reach(file, world, goal, chosen, kind)
+  require('hyped.search').reach(file, {
+    world = world,
+    [kind == 'never' and 'nevers' or 'goals'] = goal and { goal } or nil,
+    level = chosen,
+  })
 end
 
 --- Runs an input script; prompts for it if none is given.
 ---@param file string
 ---@param world string?
 ---@param script string?
-function M.sim(file, world, script)
+---@param chosen table? the level of a world that leaves its map open
+function M.sim(file, world, script, chosen)
   local function run(inputs)
     if inputs and inputs ~= '' then
-      M.run(vim.list_extend({ 'sim', '--inputs', inputs }, world and { '--world', world } or {}), file)
+      local arguments = vim.list_extend({ 'sim', '--inputs', inputs }, world and { '--world', world } or {})
+      M.run(vim.list_extend(arguments, level.options(chosen)), file)
     end
   end
   if script then
@@ -72,15 +81,27 @@ function M.enable()
   vim.filetype.add({ extension = { hyped = 'hyped' } })
   vim.lsp.enable('hypedc')
 
-  -- The commands of the server's code lenses: a URI, the name of a world and, for a search, of a goal.
+  -- The commands of the server's code lenses: a URI, the name of a world and, for a search, of a goal; then the level.
   vim.lsp.commands['hypedc.reach'] = function(command)
-    local uri, world, goal = unpack(command.arguments)
-    M.reach(vim.uri_to_fname(uri), world, goal)
+    local uri, world, goal, given, kind = unpack(command.arguments)
+    local file = vim.uri_to_fname(uri)
+    level.with(file, world, given, function(chosen) M.reach(file, world, goal, chosen, kind) end)
   end
   vim.lsp.commands['hypedc.sim'] = function(command)
-    local uri, world = unpack(command.arguments)
-    M.sim(vim.uri_to_fname(uri), world)
+    local uri, world, given = unpack(command.arguments)
+    local file = vim.uri_to_fname(uri)
+    level.with(file, world, given, function(chosen) M.sim(file, world, nil, chosen) end)
   end
+  vim.lsp.commands['hypedc.play'] = function(command)
+    local uri, world, _, given, inputs = unpack(command.arguments)
+    local file = vim.uri_to_fname(uri)
+    level.with(file, world, given, function(chosen) M.sim(file, world, inputs, chosen) end)
+  end
+  vim.lsp.commands['hypedc.level'] = function(command)
+    local uri, world = unpack(command.arguments)
+    level.choose(vim.uri_to_fname(uri), world)
+  end
+  verdicts.enable()
 
   local group = vim.api.nvim_create_augroup('hyped', {})
   vim.api.nvim_create_autocmd('FileType', {
@@ -97,6 +118,9 @@ function M.enable()
       vim.api.nvim_buf_create_user_command(event.buf, 'HypedSim', function(given)
         M.sim(vim.api.nvim_buf_get_name(event.buf), nil, given.args ~= '' and given.args or nil)
       end, { nargs = '?', desc = 'Run an input script' })
+      vim.api.nvim_buf_create_user_command(event.buf, 'HypedLevel', function(given)
+        level.choose(vim.api.nvim_buf_get_name(event.buf), given.args)
+      end, { nargs = 1, desc = 'Choose the level of a world that leaves its map open' })
       vim.api.nvim_buf_create_user_command(event.buf, 'HypedTest', function(given)
         require('hyped.tests').run(event.buf, given.args ~= '' and given.args or nil)
       end, {

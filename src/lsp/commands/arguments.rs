@@ -4,21 +4,23 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+use crate::lsp::verdicts::level::ChosenLevel;
+
 /// The program that a command is about.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::lsp) struct Program {
     /// Its file.
     pub path: PathBuf,
     /// The world; optional if there is one only.
     pub world: Option<String>,
     /// The level of worlds that leave their map open.
-    pub level: Option<PathBuf>,
+    pub level: Option<ChosenLevel>,
     /// Numbers that are set, such as `Hero.jump_speed=310`.
     pub set: Vec<String>,
 }
 
 /// The arguments of `sim`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(in crate::lsp) struct SimArguments {
     #[serde(skip)]
@@ -32,7 +34,7 @@ pub(in crate::lsp) struct SimArguments {
 }
 
 /// The arguments of `reach`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(in crate::lsp) struct ReachArguments {
     #[serde(skip)]
@@ -56,7 +58,7 @@ pub(in crate::lsp) struct ReachArguments {
 }
 
 /// The arguments of `test`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(in crate::lsp) struct TestArguments {
     #[serde(skip)]
@@ -72,7 +74,7 @@ pub(in crate::lsp) struct TestArguments {
 }
 
 /// The arguments of `why`.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(in crate::lsp) struct WhyArguments {
     #[serde(skip)]

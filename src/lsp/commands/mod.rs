@@ -18,6 +18,7 @@ use crate::ask::{Loaded, Refusal, RunResult, SimResult, WhyResult, find_world, o
 use crate::compile::{Changes, Compilation, LevelFile, NumberSetting, TestCase, compile_changed};
 use crate::ir::WorldId;
 use crate::lsp::buffers::Buffers;
+use crate::lsp::verdicts::level::ChosenLevel;
 use crate::source::normalize;
 use crate::suite::SuiteResult;
 use crate::watch::Watch;
@@ -88,7 +89,7 @@ impl Program {
 
     /// The level of worlds that leave their map open.
     fn level(&self) -> LevelFile<'_> {
-        LevelFile { map: self.level.as_deref(), ..LevelFile::default() }
+        self.level.as_ref().map_or(LevelFile::default(), ChosenLevel::file)
     }
 
     /// The numbers that are set.

@@ -212,6 +212,10 @@ impl Background {
                 continue;
             }
             if table.open.is_none() {
+                // A map that is no longer open needs no level.
+                if known.memory.levels.remove(&table.name).is_some() {
+                    self.send(Report::Levels(snapshot.root.clone(), known.memory.levels.clone()));
+                }
                 let subject = Subject { program, sources: &compilation.sources, world, level: "" };
                 self.ask_world((job.revision, snapshot, &BTreeSet::new()), subject, known, watch)?;
                 continue;

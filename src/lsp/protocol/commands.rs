@@ -8,9 +8,12 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::context::Failure;
+use super::extensions::LevelParams;
 use super::tasks::Work;
 use super::uri::{path_of, uri_of};
 use crate::lsp::buffers::Buffers;
+use crate::lsp::verdicts::level::ChosenLevel;
+use crate::lsp::verdicts::shown::Shown;
 use crate::lsp::commands::{
     Command, Program, ReachArguments, RecordArguments, Recording, SimArguments, TestArguments, WhyArguments, record,
 };
@@ -45,10 +48,11 @@ pub(super) fn is_task(method: &str) -> bool {
 }
 
 /// The task of a request, on the texts as they are now.
-pub(super) fn task(request: &Request, buffers: Buffers) -> Result<Begun, Failure> {
+/// A world that leaves its map open gets the level that was chosen for it, if none is given.
+pub(super) fn task(request: &Request, buffers: Buffers, chosen: &Shown) -> Result<Begun, Failure> {
     let invalid = |why: String| Failure::new(ErrorCode::InvalidParams, why);
     if request.method == RECORD {
-        let (program, mut rest) = program(request.params.clone()).map_err(invalid)?;
+        let (program, mut rest) = program(request.params.clone(), chosen).map_err(invalid)?;
         let token = rest.remove("workDoneToken");
         let arguments = RecordArguments { program, ..read(rest).map_err(invalid)? };
         let title = format!("Record `{}`", arguments.test);
@@ -60,7 +64,7 @@ pub(super) fn task(request: &Request, buffers: Buffers) -> Result<Begun, Failure
     }
     let Execute { command, arguments, work_done_token: token } =
         serde_json::from_value(request.params.clone()).map_err(|error| invalid(error.to_string()))?;
-    let command = command_of(&command, arguments).map_err(invalid)?;
+    let command = command_of(&command, arguments, chosen).map_err(invalid)?;
     let title = command.title();
     let work: Work = Box::new(move |monitor| {
         let outcome = command.run(&buffers, monitor).map_err(|why| Failure::new(ErrorCode::RequestFailed, why))?;
@@ -69,12 +73,19 @@ pub(super) fn task(request: &Request, buffers: Buffers) -> Result<Begun, Failure
     Ok(Begun { title, token, work })
 }
 
-/// The command of a name. Its arguments are an object, or a URI, a world and a goal, as code lenses have them.
-fn command_of(name: &str, arguments: Vec<Value>) -> Result<Command, String> {
+/// The command of a name. Its arguments are an object, or a URI, a world, a goal, a level and a kind of question, as code
+/// lenses have them.
+fn command_of(name: &str, arguments: Vec<Value>, chosen: &Shown) -> Result<Command, String> {
     let arguments = match arguments.as_slice() {
         [Value::String(_), ..] => {
-            let names = ["uri", "world", if name == "hypedc.reach" { "goals" } else { "tests" }];
-            let list = |(at, value): (usize, Value)| if at == 2 { json!([value]) } else { value };
+            let third = match (name, arguments.get(4).and_then(Value::as_str)) {
+                ("hypedc.sim", _) => "level",
+                ("hypedc.reach", Some("never")) => "nevers",
+                ("hypedc.reach", _) => "goals",
+                _ => "tests",
+            };
+            let names = ["uri", "world", third, "level"];
+            let list = |(at, value): (usize, Value)| if at == 2 && value.is_string() && third != "level" { json!([value]) } else { value };
             let named = arguments.into_iter().enumerate().map(list);
             let given = names.into_iter().zip(named).filter(|(_, value)| !value.is_null());
             Value::Object(given.map(|(name, value)| (name.to_string(), value)).collect())
@@ -82,7 +93,7 @@ fn command_of(name: &str, arguments: Vec<Value>) -> Result<Command, String> {
         [Value::Object(_)] => arguments.into_iter().next().unwrap_or_default(),
         _ => return Err(format!("`{name}` takes an object with the `uri` of a document, or a URI and a world")),
     };
-    let (program, rest) = program(arguments)?;
+    let (program, rest) = program(arguments, chosen)?;
     Ok(match name {
         "hypedc.sim" => Command::Sim(SimArguments { program, ..read(rest)? }),
         "hypedc.reach" => Command::Reach(ReachArguments { program, ..read(rest)? }),
@@ -93,16 +104,30 @@ fn command_of(name: &str, arguments: Vec<Value>) -> Result<Command, String> {
 }
 
 /// The program of some arguments, and those that are left.
-fn program(arguments: Value) -> Result<(Program, Map<String, Value>), String> {
+fn program(arguments: Value, chosen: &Shown) -> Result<(Program, Map<String, Value>), String> {
     let Value::Object(mut rest) = arguments else { return Err("the arguments are no object".to_string()) };
+    let level = rest.remove("level");
     let mut text = |name: &str| match rest.remove(name) {
         None | Some(Value::Null) => Ok(None),
         Some(Value::String(text)) => Ok(Some(text)),
         Some(_) => Err(format!("`{name}` is no text")),
     };
-    let (uri, world, level) = (text("uri")?, text("world")?, text("level")?);
+    let (uri, world) = (text("uri")?, text("world")?);
     let path = path_of(&Uri(uri.ok_or("the `uri` of a document is missing")?));
-    let level = level.map(|level| level_path(&path, &level));
+    let level = match level {
+        // As lenses have it before one is chosen.
+        Some(Value::String(level)) if level == "ask" => None,
+        Some(Value::String(level)) => Some(ChosenLevel { map: level_path(&path, &level), legend: None, tile: None }),
+        Some(Value::Object(level)) => {
+            let level: LevelParams =
+                serde_json::from_value(Value::Object(level)).map_err(|error| format!("`level`: {error}"))?;
+            let legend = level.legend.map(|legend| level_path(&path, &legend));
+            Some(ChosenLevel { map: level_path(&path, &level.map), legend, tile: level.tile })
+        }
+        None | Some(Value::Null) => None,
+        Some(_) => return Err("`level` is no level".to_string()),
+    };
+    let level = level.or_else(|| chosen.level(&path, world.as_deref()?).cloned());
     let set = rest.remove("set").map(serde_json::from_value::<Vec<String>>).transpose();
     let set = set.map_err(|error| format!("`set`: {error}"))?.unwrap_or_default();
     Ok((Program { path, world, level, set }, rest))

@@ -271,7 +271,7 @@ impl Server {
     fn begin(&mut self, request: Request) {
         let view = &self.context.view;
         let buffers = Buffers { open: Arc::clone(view.documents.all()), disk: Arc::clone(&view.disk) };
-        let Begun { title, token, work } = match commands::task(&request, buffers) {
+        let Begun { title, token, work } = match commands::task(&request, buffers, &self.context.verdicts) {
             Ok(begun) => begun,
             Err(failure) => return self.respond::<()>(request.id, Err(failure)),
         };

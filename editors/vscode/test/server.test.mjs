@@ -142,6 +142,117 @@ test('the lenses of the server are commands of the extension', async () => {
   assert.match(seen.panels[0]?.webview.html, /goal over: reached[\s\S]*data:image\/svg/);
 });
 
+const walk = write('walk.hyped', `entity Walker {
+    axis horizontal
+
+    mode walking {
+        x' = 60 * horizontal
+        when x > 10 -> far
+    }
+    mode far {
+        x' = 60 * horizontal
+    }
+}
+
+world Road {
+    step 1/60
+
+    space main {
+        bounds rect(0, 0, 320, 32)
+        place hero: Walker at (0, 0)
+    }
+    player 1: hero
+
+    goal there: hero.x > 20
+    never back: hero.x < 0
+
+    test "it goes" {
+        inputs "right*30"
+        expect hero.x > 20 at end
+    }
+}
+`);
+
+/** Runs some items of the test explorer. */
+async function runTests(kind, ...include) {
+  const profile = seen.tests.profiles.find((profile) => profile.kind === kind);
+  await profile.run({ include, exclude: [] }, new vscode.CancellationTokenSource().token);
+  return seen.tests.runs.at(-1);
+}
+
+test('the test explorer runs the text of the editor, and shows a failure at its line with its values', async () => {
+  const document = await open(walk);
+  await seen.tests.refreshHandler?.();
+  const file = await until('the tests of the file', async () => seen.tests.items.get(document.uri.toString()));
+  const world = [...file.children.values()][0];
+  assert.deepEqual([...world.children.values()].map(({ label, description }) => [label, description]), [['it goes', undefined], ['there', 'goal'], ['back', 'never']]);
+  let run = await runTests(vscode.TestRunProfileKind.Run, file);
+  const states = () => [...run.results].map(([id, { state }]) => [id.split('#')[1], state]);
+  assert.deepEqual(states(), [['Road/test it goes', 'passed'], ['Road/goal there', 'passed'], ['Road/never back', 'failed']]);
+  assert.match(run.results.get(`${document.uri}#Road/never back`).messages[0].message, /inputs: left/);
+
+  await type(document, 'expect hero.x > 20', 'expect hero.x > 20.5 and hero.x > 400');
+  run = await runTests(vscode.TestRunProfileKind.Run, [...world.children.values()][0]);
+  const [message] = run.results.get(`${document.uri}#Road/test it goes`).messages;
+  assert.equal(message.location.uri.toString(), document.uri.toString());
+  assert.equal(message.location.range.start.line, 26);
+  assert.match(message.message, /hero.x > 400 does not hold: 30 and 400/);
+  assert.ok(run.isOver);
+
+  run = await runTests(vscode.TestRunProfileKind.Coverage, file);
+  const [covered] = run.coverage;
+  assert.equal(covered.uri.fsPath, walk);
+  assert.deepEqual(covered.details.map(({ executed, location }) => [location.start.line, executed > 0]), [[3, true], [7, true], [5, true]]);
+  await type(document, 'hero.x > 20.5 and hero.x > 400', 'hero.x > 20');
+});
+
+test('the page plays the text of the editor, lights the modes of a frame, and shows the values of guards', async () => {
+  const document = await open(walk);
+  const editor = { document, decorations: new Map(), setDecorations: (type, places) => editor.decorations.set(type.options, places) };
+  vscode.window.visibleTextEditors.push(editor);
+  seen.panels.length = 0;
+  await vscode.commands.executeCommand('hypedc.timeline', document.uri.toString(), 'Road');
+  const [panel] = seen.panels;
+  assert.match(panel.webview.html, /<html lang="en" data-world="Road">[\s\S]*Content-Security-Policy/);
+  const asked = async (request) => {
+    const id = panel.said.length + 1000;
+    await panel.receive({ id, request });
+    return panel.said.find((said) => said.id === id).answer;
+  };
+  assert.equal((await asked({ ask: 'open', world: 'Road' })).scene.world, 'Road');
+  await asked({ ask: 'load', script: 'right*20' });
+  /** The lines that are lit. */
+  const lines = () => [...editor.decorations.values()].flat().map(({ range }) => range?.start.line).filter((line) => line !== undefined);
+  await asked({ ask: 'seek', frame: 5 });
+  await until('the first mode', () => lines().join() === '3');
+  const whole = new vscode.Range(0, 0, 99, 0);
+  const hints = await ask('InlayHints', document, whole);
+  assert.deepEqual(hints.map(({ position, label }) => [position.line, label]), [[5, '✗ 4 > 10']]);
+  await asked({ ask: 'seek', frame: 15 });
+  await until('the second mode', () => lines().join() === '7');
+  // The text is played as it is typed.
+  await type(document, 'x > 10', 'x > 18');
+  await until('the change', () => panel.said.some(({ changed }) => changed?.includes(walk)));
+  await asked({ ask: 'reload' });
+  await until('the first mode again', () => lines().join() === '3');
+  // The run becomes a test.
+  answers.pick = 'there';
+  answers.input = 'by hand';
+  await asked({ ask: 'load', script: 'right*30' });
+  vscode.workspace.applyEdit = async (changes) => {
+    for (const [uri, edits] of changes.entries()) await edit(await vscode.workspace.openTextDocument(uri), edits);
+    return true;
+  };
+  vscode.WorkspaceEdit.prototype.replace = function (uri, range, newText) {
+    this.set(uri, [{ range, newText }]);
+  };
+  await vscode.commands.executeCommand('hypedc.saveTest');
+  assert.match(document.getText(), /test "by hand" \{\n {8}inputs "right\*30"\n {8}expect there at end/);
+  panel.dispose();
+  assert.deepEqual(lines(), []);
+  vscode.window.visibleTextEditors.pop();
+});
+
 test('the server starts anew, with all that is open', async () => {
   await type(document, 'first.x', 'firs.x');
   await until('a finding', () => errors().length === 1);

@@ -19,6 +19,8 @@ export const seen = {
   /** The written text, by the name of the channel. */
   output: new Map(),
   panels: [],
+  /** The test controller. */
+  tests: undefined,
   picks: [],
   /** `[what, selector, provider]`, `what` being such as `Hover`. */
   providers: [],
@@ -117,6 +119,13 @@ class Document {
   get version() {
     return this.text.version;
   }
+  lineAt(line) {
+    return { range: new Range(line, 0, line, this.getText().split('\n')[line].length) };
+  }
+  positionAt(offset) {
+    const { line, character } = this.text.positionAt(offset);
+    return new Position(line, character);
+  }
   get lineCount() {
     return this.text.lineCount;
   }
@@ -200,6 +209,52 @@ const channel = (name) => {
   return { name, append, appendLine: (text) => append(`${text}\n`), show() {}, clear() {}, dispose() {} };
 };
 
+/** The items of a test controller, or of an item. */
+class TestItems extends Map {
+  replace(items) {
+    this.clear();
+    for (const item of items) this.set(item.id, item);
+  }
+  forEach(each) {
+    for (const item of this.values()) each(item);
+  }
+}
+
+/** A test run that records what comes of its items. */
+class TestRun {
+  results = new Map();
+  coverage = [];
+  output = '';
+  isOver = false;
+  enqueued(item) {
+    this.results.set(item.id, { state: 'queued' });
+  }
+  started(item) {
+    this.results.set(item.id, { state: 'started' });
+  }
+  passed(item) {
+    this.results.set(item.id, { state: 'passed' });
+  }
+  failed(item, messages) {
+    this.results.set(item.id, { state: 'failed', messages: [messages].flat() });
+  }
+  errored(item, message) {
+    this.results.set(item.id, { state: 'errored', messages: [message] });
+  }
+  skipped(item) {
+    this.results.set(item.id, { state: 'skipped' });
+  }
+  appendOutput(text) {
+    this.output += text;
+  }
+  addCoverage(file) {
+    this.coverage.push(file);
+  }
+  end() {
+    this.isOver = true;
+  }
+}
+
 const api = {
   CancellationTokenSource,
   CodeActionKind,
@@ -231,12 +286,22 @@ const api = {
   },
   Position,
   ProcessExecution: record('process', 'args', 'options'),
-  ProgressLocation: { Notification: 15 },
+  ProgressLocation: { Notification: 15, Window: 10 },
   Range,
   SnippetString: record('value'),
   Task: record('definition', 'scope', 'name', 'source', 'execution', 'matchers'),
   TaskRevealKind: { Always: 1 },
   TaskScope: { Workspace: 2 },
+  FileCoverage: class {
+    static fromDetails = (uri, details) => ({ uri, details });
+  },
+  OverviewRulerLane: { Left: 1 },
+  BranchCoverage: record('executed', 'location', 'label'),
+  InlayHint: record('position', 'label', 'kind'),
+  StatementCoverage: record('executed', 'location', 'branches'),
+  TestMessage: record('message'),
+  ThemeColor: record('id'),
+  TestRunProfileKind: { Run: 1, Debug: 2, Coverage: 3 },
   TextEdit: class extends record('range', 'newText') {
     static replace = (range, text) => new this(range, text);
     static insert = (position, text) => new this(new Range(position, position), text);
@@ -279,6 +344,31 @@ const api = {
       },
     },
   ),
+  tests: {
+    createTestController: (id, label) => {
+      const controller = {
+        id,
+        label,
+        items: new TestItems(),
+        profiles: [],
+        runs: [],
+        createTestItem: (id, label, uri) => ({ id, label, uri, children: new TestItems() }),
+        createRunProfile: (label, kind, run) => {
+          const profile = { label, kind, run };
+          controller.profiles.push(profile);
+          return profile;
+        },
+        createTestRun: () => {
+          const run = new TestRun();
+          controller.runs.push(run);
+          return run;
+        },
+        dispose() {},
+      };
+      seen.tests = controller;
+      return controller;
+    },
+  },
   tasks: { executeTask: async (task) => seen.tasks.push(task) },
   version: '1.91.0',
   window: withEvents({
@@ -286,11 +376,27 @@ const api = {
     visibleTextEditors: [],
     tabGroups: withEvents({ all: [] }),
     createOutputChannel: channel,
+    createTextEditorDecorationType: (options) => ({ options, dispose() {} }),
     createWebviewPanel: (kind, title, where) => {
-      const panel = withEvents({ kind, title, where, webview: { html: '' }, revealed: 0, reveal: () => panel.revealed++ });
+      const ends = [];
+      const panel = {
+        ...{ kind, title, where, revealed: 0, reveal: () => panel.revealed++ },
+        /** What the page was told. */
+        said: [],
+        /** The page says something. */
+        receive: async () => {},
+        webview: {
+          html: '',
+          postMessage: async (message) => panel.said.push(message),
+          onDidReceiveMessage: (listener) => (panel.receive = listener),
+        },
+        onDidDispose: (listener) => ends.push(listener),
+        dispose: () => ends.splice(0).forEach((end) => end()),
+      };
       seen.panels.push(panel);
       return panel;
     },
+    showTextDocument: async (document) => ({ document }),
     showErrorMessage: async (message) => void seen.errors.push(message),
     showInputBox: async () => answers.input,
     showQuickPick: async (choices) => (seen.picks.push(choices), answers.pick),
@@ -302,6 +408,7 @@ const api = {
       return [...documents.values()];
     },
     getConfiguration: () => ({ get: (name, otherwise) => answers.settings[name] ?? otherwise }),
+    findFiles: async () => [],
     getWorkspaceFolder: () => undefined,
     createFileSystemWatcher: () => withEvents({ dispose() {} }),
     openTextDocument: async (uri) => {

@@ -4,15 +4,23 @@
 use std::sync::{Mutex, PoisonError};
 
 use crate::ir::{Bounds, EdgeId, EntityId, Id, LeafId, Push, SlotId, SpaceId, TagId, TagSet, TileMap, World};
-use crate::sim::{Scratch, Simulator};
+use crate::sim::{Scratch, Script, Simulator};
 
 /// How near a body is to what it stands on, px.
 const NEAR: f64 = 0.05;
 
 /// Sees each state that a search makes, after the step that led there.
 pub trait Observer: Sync {
-    /// A state within the bounds.
-    fn see(&self, sim: &Simulator, state: &[u8], scratch: &Scratch);
+    /// A state within the bounds, and how the search came there.
+    fn see(&self, sim: &Simulator, state: &[u8], scratch: &Scratch, reached: &Reached<'_>);
+}
+
+/// How a search came to a state.
+pub struct Reached<'a> {
+    /// Number of steps from the start of the search.
+    pub steps: u64,
+    /// The inputs from the initial state.
+    pub script: &'a dyn Fn() -> Script,
 }
 
 /// What a player can stand on: the upper side of a tile or of free-standing geometry.
@@ -125,7 +133,20 @@ impl Explorer {
 }
 
 impl Observer for Explorer {
-    fn see(&self, sim: &Simulator, state: &[u8], scratch: &Scratch) {
+    fn see(&self, sim: &Simulator, state: &[u8], scratch: &Scratch, _: &Reached<'_>) {
+        self.see_cells(sim, state, scratch, &mut |_, _| {});
+    }
+}
+
+impl Explorer {
+    /// Sees a state; `enter` is told the cells that players are in, some of them several times.
+    pub(super) fn see_cells(
+        &self,
+        sim: &Simulator,
+        state: &[u8],
+        scratch: &Scratch,
+        enter: &mut dyn FnMut(SpaceId, usize),
+    ) {
         let mut explored = self.explored.lock().unwrap_or_else(PoisonError::into_inner);
         let Explored { spaces, entities } = &mut *explored;
         for instance in sim.instances(state) {
@@ -150,18 +171,18 @@ impl Observer for Explorer {
             for (collider, b) in instance.colliders() {
                 if solid.get(collider.index()).copied().unwrap_or(false) {
                     has_body = true;
-                    covered.see(map, &b.placed(position));
+                    covered.see(map, &b.placed(position), &mut |cell| enter(id, cell));
                 }
             }
             if !has_body {
-                covered.see(map, &Bounds { left: x, right: x, bottom: y, top: y });
+                covered.see(map, &Bounds { left: x, right: x, bottom: y, top: y }, &mut |cell| enter(id, cell));
             }
         }
     }
 }
 
 impl CoveredSpace {
-    fn see(&mut self, map: Option<&TileMap<TagId>>, body: &Bounds) {
+    fn see(&mut self, map: Option<&TileMap<TagId>>, body: &Bounds, enter: &mut dyn FnMut(usize)) {
         let stands = |top: &Top| (body.bottom - top.y).abs() <= NEAR && body.left < top.to && body.right > top.from;
         for top in self.tops.iter_mut().skip(self.solids) {
             top.is_covered |= stands(top);
@@ -181,6 +202,7 @@ impl CoveredSpace {
             for column in first..=last {
                 if let Some(at) = index(column, row) {
                     self.entered[at] = true;
+                    enter(at);
                 }
             }
         }

@@ -11,6 +11,7 @@ use crate::watch::{Meter, PollLimit, Watch};
 use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::distance::DistanceField;
+use super::explore::Reached;
 use super::luck::{Luck, only_read};
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited};
@@ -238,7 +239,9 @@ impl<'a> SearchContext<'a> {
             tracker.add_root(self.problem.sim, &self.starts[start].state, root);
         }
         if let Some(observer) = self.problem.observer() {
-            observer.see(self.problem.sim, &self.starts[start].state, &self.scratch);
+            let start = &self.starts[start];
+            let reached = Reached { steps: u64::from(start.steps()), script: &|| start.script.clone() };
+            observer.see(self.problem.sim, &start.state, &self.scratch, &reached);
         }
         self.check_root(start);
         root
@@ -333,7 +336,9 @@ impl<'a> SearchContext<'a> {
             if let Some(observer) = self.problem.observer()
                 && matches!(judged, Ok(StateStatus::Open | StateStatus::Dead(Termination::Never(_))))
             {
-                observer.see(self.problem.sim, &self.work, &self.scratch);
+                let steps = u64::from(self.tree.depth(choice.node)) + u64::from(step);
+                let reached = Reached { steps, script: &|| self.script(choice, step) };
+                observer.see(self.problem.sim, &self.work, &self.scratch, &reached);
             }
             if let (Some(tracker), Ok(StateStatus::Open)) = (&mut self.tracker, judged) {
                 tracker.see(self.problem.sim, &self.work, choice, step);

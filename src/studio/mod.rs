@@ -17,7 +17,7 @@ mod sliders;
 
 #[cfg(feature = "lsp")]
 pub use lit::{Lit, LitMode};
-#[cfg(feature = "cli")]
+#[cfg(any(feature = "cli", feature = "lsp"))]
 pub(crate) use paint::Written;
 pub use project::Level;
 pub use protocol::*;

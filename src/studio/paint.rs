@@ -125,14 +125,34 @@ impl<'l> Written<'l> {
         Some(text)
     }
 
+    /// The rows of a map that is written in characters, from the highest.
+    #[cfg(feature = "lsp")]
+    pub fn map_rows(&self, world: &str, space: &str) -> Option<Vec<(String, Span)>> {
+        let (file, map) = self.map(world, space)?;
+        if self.edited(file, map).is_some() {
+            return None;
+        }
+        self.written_rows(file, map)
+    }
+
+    /// The path of a file.
+    #[cfg(feature = "lsp")]
+    pub fn path(&self, file: FileId) -> &Path {
+        &self.sources.file(file).path
+    }
+
+    fn written_rows(&self, file: &File, map: &Map) -> Option<Vec<(String, Span)>> {
+        match &map.source {
+            MapSource::Inline(_, rows) => Some(rows.iter().map(|row| (row.text.to_string(), row.span)).collect()),
+            MapSource::Text(_, path) | MapSource::Vglc(path, _) => self.rows(text_of(file, path.span)?),
+            MapSource::Open(_) | MapSource::OpenLegend(_) | MapSource::OpenAll(_) => self.rows(self.level_file()?),
+            MapSource::Tiled(..) | MapSource::Ldtk(..) => None,
+        }
+    }
+
     /// The character of a cell.
     fn character(&self, file: &File, map: &Map, column: usize, row: usize) -> Option<Span> {
-        let rows: Vec<(String, Span)> = match &map.source {
-            MapSource::Inline(_, rows) => rows.iter().map(|row| (row.text.to_string(), row.span)).collect(),
-            MapSource::Text(_, path) | MapSource::Vglc(path, _) => self.rows(text_of(file, path.span)?)?,
-            MapSource::Open(_) | MapSource::OpenLegend(_) | MapSource::OpenAll(_) => self.rows(self.level_file()?)?,
-            MapSource::Tiled(..) | MapSource::Ldtk(..) => return None,
-        };
+        let rows = self.written_rows(file, map)?;
         let (text, span) = rows.get(row)?;
         let (byte, symbol) = text.char_indices().nth(column)?;
         let start = span.range().start + byte;

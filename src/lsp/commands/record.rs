@@ -11,7 +11,7 @@ use crate::source::{Files, ReadError, normalize};
 use crate::suite::{NoWays, Recorded, Subject, TestOptions, insert_test, run_test};
 
 /// The arguments.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(in crate::lsp) struct RecordArguments {
     #[serde(skip)]

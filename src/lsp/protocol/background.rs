@@ -13,11 +13,13 @@ use lsp_server::RequestId;
 use crate::ir::{Program, WorldId};
 use crate::json::{self, Layout};
 use crate::lsp::Workspace;
+use crate::lsp::buffers::Buffers;
 use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::verdicts::ask::{Asked, Budget, Subject, ask_world};
 use crate::lsp::verdicts::level::{Candidate, ChosenLevel, candidates};
 use crate::lsp::verdicts::memory::Memory;
+use crate::lsp::verdicts::paint::{Canvas, Painted, TilePlace};
 use crate::lsp::verdicts::verdict::{Question, Verdict};
 use crate::source::{FileId, SourceMap};
 use crate::watch::Watch;
@@ -45,8 +47,9 @@ pub(super) struct Errand {
     pub id: RequestId,
     /// The program as of the request.
     pub snapshot: Arc<Snapshot>,
-    /// All open documents.
+    /// All open documents, and their revision.
     pub open: Arc<OpenDocuments>,
+    pub revision: u64,
     /// Set if the answer is no longer wanted.
     pub is_cancelled: Arc<AtomicBool>,
     pub what: What,
@@ -54,16 +57,29 @@ pub(super) struct Errand {
 
 /// What a request asks for.
 pub(super) enum What {
-    /// The levels that fit.
-    Levels,
+    /// The levels, and which of them fit; or only the one that was chosen.
+    Levels { world: String, all: bool },
+    /// What a search and the known ways saw of each tile.
+    Paint { world: String },
+    /// Whether a player can get to a tile.
+    WayTo { world: String, place: TilePlace },
     /// Chooses a level for the open map of a world.
     Choose { world: String, level: Option<ChosenLevel> },
 }
 
-/// What an errand has found; `Stopped` if it was stopped.
+/// What an errand has found.
 pub(super) enum Brought {
-    Levels(Vec<Candidate>),
+    /// Whether the world leaves its map open, and the files that may be levels.
+    Levels(bool, Vec<Candidate>),
+    Painted(Painted),
+    /// The verdict on a tile.
+    WayTo(Verdict),
     Nothing,
+    /// Why there is no answer.
+    Refused(String),
+    /// The documents have changed.
+    Outdated,
+    /// It was cancelled.
     Stopped,
 }
 
@@ -88,6 +104,8 @@ struct ProgramMemory {
     memory: Memory,
     /// By world: what it meant when all its questions were asked, and the verdicts.
     asked: BTreeMap<String, (Vec<u8>, Vec<Asked>)>,
+    /// What was painted last, with its revision and its world.
+    painted: Option<(u64, String, Painted)>,
 }
 
 pub(super) struct Background {
@@ -111,12 +129,14 @@ impl Watch for AskWatch<'_> {
     }
 }
 
-/// Stops an errand whose answer is no longer wanted.
-struct ErrandWatch<'a>(&'a Background, &'a AtomicBool);
+/// Stops an errand whose answer is no longer wanted, or that is about documents of another revision.
+struct ErrandWatch<'a>(&'a Background, &'a AtomicBool, Option<u64>);
 
 impl Watch for ErrandWatch<'_> {
     fn stop(&self) -> bool {
-        self.1.load(Ordering::Relaxed) || self.0.has_ended.load(Ordering::Relaxed)
+        let ErrandWatch(background, is_cancelled, revision) = self;
+        let is_outdated = revision.is_some_and(|revision| background.is_outdated(revision));
+        is_outdated || is_cancelled.load(Ordering::Relaxed) || background.has_ended.load(Ordering::Relaxed)
     }
 }
 
@@ -173,7 +193,7 @@ impl Background {
             let memory = Memory::recall(&snapshot.root, &*self.disk);
             let last = memory.last().map(|(question, verdict)| (question.clone(), verdict.clone()));
             self.send(Report::Recalled(snapshot.root.clone(), memory.levels.clone(), last.collect()));
-            ProgramMemory { memory, asked: BTreeMap::new() }
+            ProgramMemory { memory, asked: BTreeMap::new(), painted: None }
         })
     }
 
@@ -262,27 +282,70 @@ impl Background {
     }
 
     fn errand(&self, errand: Errand, all: &mut BTreeMap<PathBuf, ProgramMemory>) {
-        let Errand { id, snapshot, open, is_cancelled, what } = errand;
-        let watch = ErrandWatch(self, &is_cancelled);
-        let known = self.program(&snapshot, all);
-        let work = || match what {
-            What::Levels => candidates(&snapshot.root, (&open, &*self.disk), &watch).map(Brought::Levels),
-            What::Choose { world, level } => {
-                known.asked.remove(&world);
-                match level {
-                    Some(level) => known.memory.levels.insert(world, level),
-                    None => known.memory.levels.remove(&world),
-                };
-                known.memory.remember(&snapshot.root, &*self.disk);
-                self.send(Report::Levels(snapshot.root.clone(), known.memory.levels.clone()));
-                Some(Brought::Nothing)
-            }
-        };
-        let brought = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-            self.send(Report::Failed(snapshot.root.clone(), message(&*panic)));
-            None
+        let known = self.program(&errand.snapshot, all);
+        let brought = catch_unwind(AssertUnwindSafe(|| self.bring(&errand, known))).unwrap_or_else(|panic| {
+            self.send(Report::Failed(errand.snapshot.root.clone(), message(&*panic)));
+            Brought::Refused("internal error in hypedc".to_string())
         });
-        self.send(Report::Brought(id, brought.unwrap_or(Brought::Stopped)));
+        self.send(Report::Brought(errand.id, brought));
+    }
+
+    fn bring(&self, errand: &Errand, known: &mut ProgramMemory) -> Brought {
+        let Errand { snapshot, open, revision, is_cancelled, what, .. } = errand;
+        let files = Buffers { open: Arc::clone(open), disk: Arc::clone(&self.disk) };
+        let root = &snapshot.root;
+        // What is about places in texts is no use once they have changed.
+        let watch = ErrandWatch(self, is_cancelled, Some(*revision));
+        let or_stopped = |brought: Result<Option<Brought>, String>| match brought {
+            Ok(Some(brought)) => brought,
+            Ok(None) if !self.is_outdated(*revision) => Brought::Stopped,
+            Ok(None) => Brought::Outdated,
+            Err(why) => Brought::Refused(why),
+        };
+        match what {
+            What::Levels { world, all } => {
+                let program = snapshot.ide.compilation.program.as_ref();
+                let table = program.and_then(|program| Some(&program.worlds[program.world_named(world)?]));
+                let is_open = table.is_some_and(|table| table.open.is_some());
+                let watch = ErrandWatch(self, is_cancelled, None);
+                match is_open && *all {
+                    true => candidates(root, (open, &*self.disk), &watch)
+                        .map_or(Brought::Stopped, |found| Brought::Levels(is_open, found)),
+                    false => Brought::Levels(is_open, Vec::new()),
+                }
+            }
+            What::Choose { world, level } => {
+                known.asked.remove(world);
+                known.painted = None;
+                match level {
+                    Some(level) => known.memory.levels.insert(world.clone(), level.clone()),
+                    None => known.memory.levels.remove(world),
+                };
+                known.memory.remember(root, &*self.disk);
+                self.send(Report::Levels(root.clone(), known.memory.levels.clone()));
+                Brought::Nothing
+            }
+            What::Paint { world } => {
+                let level = known.memory.levels.get(world);
+                let canvas = Canvas { root, world, level, files: &files };
+                let name = level.map(|level| level.name(root)).unwrap_or_default();
+                let ways = known.memory.ways_in(world, &name);
+                let painted = canvas.paint(&ways, self.budget, &watch);
+                if let Ok(Some(painted)) = &painted {
+                    known.painted = Some((*revision, world.clone(), painted.clone()));
+                }
+                or_stopped(painted.map(|painted| painted.map(Brought::Painted)))
+            }
+            What::WayTo { world, place } => {
+                let painted = known.painted.as_ref().filter(|(of, name, _)| of == revision && name == world);
+                if let Some(verdict) = painted.and_then(|(.., painted)| painted.way_to(place)) {
+                    return Brought::WayTo(verdict);
+                }
+                let canvas = Canvas { root, world, level: known.memory.levels.get(world), files: &files };
+                let verdict = canvas.way_to(place, self.budget, &watch);
+                or_stopped(verdict.map(|verdict| verdict.map(Brought::WayTo)))
+            }
+        }
     }
 }
 

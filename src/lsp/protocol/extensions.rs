@@ -14,12 +14,32 @@ use crate::lsp::verdicts::shown::{Shown, ShownProgram, ShownVerdict};
 use crate::reach::query::Kind;
 use crate::source::normalize;
 
-/// The parameters of `hypedc/levels`.
+/// The parameters of `hypedc/levels` and `hypedc/paint`.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct WorldParams {
     pub text_document: types::TextDocumentIdentifier,
     pub world: String,
+    /// Whether all levels are wanted, and not only the one that was chosen.
+    #[serde(default = "yes")]
+    pub all: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// The parameters of `hypedc/wayTo`.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct WayToParams {
+    pub text_document: types::TextDocumentIdentifier,
+    pub world: String,
+    pub space: String,
+    /// From the left one, from 0.
+    pub column: usize,
+    /// From the highest one, from 0.
+    pub row: usize,
 }
 
 /// The parameters of `hypedc/chooseLevel`.
@@ -70,7 +90,7 @@ pub(super) fn level_json(level: &ChosenLevel) -> Value {
 }
 
 /// The response to `hypedc/levels`.
-pub(super) fn levels(shown: &Shown, root: &Path, world: &str, found: Vec<Candidate>) -> Value {
+pub(super) fn levels(shown: &Shown, (root, world): (&Path, &str), is_open: bool, found: Vec<Candidate>) -> Value {
     let level = |candidate: Candidate| {
         json!({
             "map": candidate.map.to_string_lossy(),
@@ -80,6 +100,7 @@ pub(super) fn levels(shown: &Shown, root: &Path, world: &str, found: Vec<Candida
         })
     };
     json!({
+        "isOpen": is_open,
         "chosen": shown.level(root, world).map(level_json),
         "levels": found.into_iter().map(level).collect::<Vec<Value>>(),
     })

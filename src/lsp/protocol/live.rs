@@ -13,15 +13,17 @@ use serde_json::Value;
 
 use super::background::{Background, Brought, Errand, Job, Report, Task, What};
 use super::context::{Context, Failure, response};
-use super::extensions::{self, ChooseLevelParams, WorldParams};
+use super::extensions::{self, ChooseLevelParams, WayToParams, WorldParams};
+use super::painting;
 use super::uri::path_of;
 use crate::lsp::Workspace;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::verdicts::ask::Budget;
 use crate::lsp::verdicts::level::ChosenLevel;
+use crate::lsp::verdicts::paint::TilePlace;
 
 /// The methods that the background thread answers.
-const ERRANDS: [&str; 2] = ["hypedc/levels", "hypedc/chooseLevel"];
+const ERRANDS: [&str; 4] = ["hypedc/levels", "hypedc/chooseLevel", "hypedc/paint", "hypedc/wayTo"];
 
 /// The background thread as the server sees it.
 pub(super) struct Live {
@@ -91,7 +93,12 @@ impl Live {
 
     /// Takes a request that the background thread answers. Returns a response if it is answered at once; `Err` gives back
     /// a request that is for others.
-    pub fn take(&mut self, context: &Context, request: Request) -> Result<Option<Response>, Request> {
+    pub fn take(
+        &mut self,
+        context: &Context,
+        revision: u64,
+        request: Request,
+    ) -> Result<Option<Response>, Request> {
         if !ERRANDS.contains(&request.method.as_str()) {
             return Err(request);
         }
@@ -105,7 +112,7 @@ impl Live {
         let pending = PendingErrand { is_cancelled: Arc::clone(&is_cancelled), root: snapshot.root.clone(), world };
         self.errands.insert(id.clone(), pending);
         let open = Arc::clone(context.view.documents.all());
-        let _ = self.tasks.send(Task::Errand(Box::new(Errand { id, snapshot, open, is_cancelled, what })));
+        let _ = self.tasks.send(Task::Errand(Box::new(Errand { id, snapshot, open, revision, is_cancelled, what })));
         Ok(None)
     }
 
@@ -182,15 +189,33 @@ fn errand(context: &Context, method: &str, params: Value) -> Result<(Arc<Snapsho
         });
         return Ok((snapshot(&text_document.uri)?, What::Choose { world: world.clone(), level }, world));
     }
-    let WorldParams { text_document, world } = read(params)?;
-    Ok((snapshot(&text_document.uri)?, What::Levels, world))
+    if method == "hypedc/wayTo" {
+        let WayToParams { text_document, world, space, column, row } = read(params)?;
+        let what = What::WayTo { world: world.clone(), place: TilePlace { space, column, row } };
+        return Ok((snapshot(&text_document.uri)?, what, world));
+    }
+    let WorldParams { text_document, world, all } = read(params)?;
+    let name = world.clone();
+    let what = if method == "hypedc/paint" { What::Paint { world } } else { What::Levels { world, all } };
+    Ok((snapshot(&text_document.uri)?, what, name))
 }
 
 /// The response to an errand.
 fn answer(context: &Context, id: RequestId, errand: &PendingErrand, brought: Brought) -> Response {
     match brought {
-        Brought::Levels(found) => {
-            response(id, Ok(extensions::levels(&context.verdicts, &errand.root, &errand.world, found)))
+        Brought::Levels(is_open, found) => {
+            response(id, Ok(extensions::levels(&context.verdicts, (&errand.root, &errand.world), is_open, found)))
+        }
+        Brought::Painted(painted) => {
+            response(id, Ok(painting::painted(&context.view, context.client.encoding, &errand.world, &painted)))
+        }
+        Brought::WayTo(verdict) => {
+            let level = context.verdicts.level(&errand.root, &errand.world);
+            response(id, Ok(painting::way_to(&verdict, level)))
+        }
+        Brought::Refused(why) => response::<()>(id, Err(Failure::new(ErrorCode::RequestFailed, why))),
+        Brought::Outdated => {
+            response::<()>(id, Err(Failure::new(ErrorCode::ContentModified, "the documents have changed")))
         }
         Brought::Nothing => response(id, Ok(())),
         Brought::Stopped => response::<()>(id, Err(Failure::new(ErrorCode::RequestFailed, "it was stopped"))),

@@ -15,6 +15,7 @@ mod handlers;
 mod kinds;
 mod lenses;
 mod live;
+mod painting;
 mod play;
 mod positions;
 mod requests;

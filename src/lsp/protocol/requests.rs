@@ -34,7 +34,7 @@ macro_rules! requests {
                 $($method => Needs::$needs,)*
                 "hypedc/idle" => Needs::Idle,
                 "hypedc/asked" => Needs::Asked,
-                "hypedc/levels" | "hypedc/chooseLevel" => Needs::Open,
+                "hypedc/levels" | "hypedc/chooseLevel" | "hypedc/paint" | "hypedc/wayTo" => Needs::Open,
                 "hypedc/tests" => Needs::All,
                 _ => Needs::Text,
             }

@@ -573,7 +573,7 @@ impl Server {
 
     /// Sends the response of the handler of a request.
     fn dispatch(&mut self, request: Request) {
-        let request = match self.live.take(&self.context, request) {
+        let request = match self.live.take(&self.context, self.revision, request) {
             Ok(response) => return response.into_iter().for_each(|response| drop(self.sender.send(response.into()))),
             Err(request) => request,
         };

@@ -77,6 +77,12 @@ impl Memory {
         out
     }
 
+    /// The newest way of each question of a world on a level.
+    pub fn ways_in(&self, world: &str, level: &str) -> Vec<String> {
+        let near = self.questions.iter().filter(|(of, _)| of.world == world && of.level == level);
+        near.filter_map(|(_, known)| known.ways.first().cloned()).collect()
+    }
+
     /// The last verdicts of the questions of all worlds.
     pub fn last(&self) -> impl Iterator<Item = (&Question, &Verdict)> {
         self.questions.iter().filter_map(|(question, known)| Some((question, known.last.as_ref()?)))

@@ -9,6 +9,7 @@ mod current;
 mod edits;
 mod levels;
 mod names;
+mod paint;
 mod service;
 mod session;
 mod verdicts;

@@ -13,6 +13,7 @@
 //! | `protocol` | the connection, the worker, the table of requests, conversion from and to the protocol's types |
 //! | `service` | the same features by typed requests, without a connection: for the editor of the playground |
 //! | `features` | the features of the server: functions from a view, a path and a byte offset to plain results |
+//! | `verdicts` | goals and `never`s asked again while one types; levels of open maps; painted maps |
 //! | `commands`, `buffers` | the commands that run a program: `sim`, `reach`, `test`, `why`; the files that they read |
 //! | `view`, `snapshot`, `documents`, `values`, `location` | the state that features read, and locations in it |
 //! | `text` | texts that may not parse: positions, tokens, the context of a cursor |

@@ -50,7 +50,7 @@ impl Workspace for Disk {
     }
 }
 
-const OPEN: &str = "entity Hero {
+pub const OPEN: &str = "entity Hero {
     button right
     collider body: rect(0, 0, 8, 8)
     mode still {

@@ -97,16 +97,25 @@ test('code lenses run hypedc', function()
     seen[#seen + 1] = vim.list_extend({ options.cwd }, command)
   end
   local uri = vim.uri_from_fname('/tmp/a b/c.hyped')
+  local search, asked = require('hyped.search'), {}
+  local reach = search.reach
+  search.reach = function(file, about) asked[#asked + 1] = { file, about } end
   vim.lsp.commands['hypedc.reach']({ arguments = { uri, 'W', 'g' } }, {})
+  vim.lsp.commands['hypedc.reach']({ arguments = { uri, 'W', 'n', vim.NIL, 'never' } }, {})
   vim.ui.input = function(_, answer)
     answer('jump*3')
   end
   vim.lsp.commands['hypedc.sim']({ arguments = { uri, 'W' } }, {})
-  vim.fn.jobstart = jobstart
+  vim.lsp.commands['hypedc.play']({ arguments = { uri, 'W', 'g', { map = '/tmp/l.txt' }, 'right*9' } }, {})
+  vim.fn.jobstart, search.reach = jobstart, reach
   local command = os.getenv('HYPEDC')
   same(seen, {
-    { '/tmp/a b', command, 'reach', 'c.hyped', '--world', 'W', '--goal', 'g' },
     { '/tmp/a b', command, 'sim', 'c.hyped', '--inputs', 'jump*3', '--world', 'W' },
+    { '/tmp/a b', command, 'sim', 'c.hyped', '--inputs', 'right*9', '--world', 'W', '--map', '/tmp/l.txt' },
+  })
+  same(asked, {
+    { '/tmp/a b/c.hyped', { world = 'W', goals = { 'g' } } },
+    { '/tmp/a b/c.hyped', { world = 'W', nevers = { 'n' } } },
   })
 end)
 

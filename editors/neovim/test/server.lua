@@ -115,6 +115,100 @@ test('tests run on the text of the buffer, and failures are shown at their lines
   vim.cmd('silent undo')
 end)
 
+-- A world with a map, a goal, and a hero who walks.
+local walk = {
+  'entity Hero {',
+  '    button right',
+  '    collider body: rect(0, 0, 8, 8)',
+  '    mode still {',
+  "        x' = 0",
+  '        when held(right) -> going',
+  '    }',
+  '    mode going {',
+  "        x' = 60",
+  '        when not held(right) -> still',
+  '    }',
+  '}',
+  'world W {',
+  '    step 1/60',
+  '    collide body with wall: block',
+  '    tiles land 16 x 16 {',
+  "        '.': empty",
+  "        '#': wall",
+  '    }',
+  '    space main {',
+  '        map land "',
+  '            ........',
+  '            ########',
+  '        "',
+  '        place hero: Hero at (0, 16)',
+  '    }',
+  '    player 1: hero',
+  '    goal over: hero.x > 40',
+  '}',
+}
+
+local verdicts = require('hyped.verdicts')
+
+test('a verdict stands at the goal, and an edit turns it', function()
+  vim.fn.writefile(walk, folder .. '/walk.hyped')
+  vim.cmd.edit('walk.hyped')
+  local buffer = vim.api.nvim_get_current_buf()
+  local function verdict()
+    return verdicts.shown(buffer)[27]
+  end
+  wait_for('a verdict', function() return (verdict() or ''):find('^✓ ') end)
+  vim.cmd('silent %s/x. = 60/x\\x27 = 0')
+  wait_for('another verdict', function() return (verdict() or ''):find('^✗ proven') end)
+  wait_for('a finding', function()
+    return vim.iter(vim.diagnostic.get(buffer)):any(function(d) return d.code == 'broken-goal' end)
+  end)
+  vim.cmd('silent undo')
+  wait_for('the verdict from before', function() return (verdict() or ''):find('^✓ ') end)
+end)
+
+test('the buffer is asked, not the file', function()
+  vim.cmd('silent %s/> 40/> 44')
+  vim.cmd('HypedReach over')
+  local function answer()
+    local buffer = vim.fn.bufnr('hyped://reach walk.hyped')
+    return buffer ~= -1 and table.concat(vim.api.nvim_buf_get_lines(buffer, 0, -1, false), '\n') or ''
+  end
+  wait_for('an answer', function() return answer():find('goal over: reached', 1, true) end)
+  vim.cmd('silent %s/> 44/> 4444')
+  vim.cmd('HypedReach over')
+  wait_for('another answer', function() return answer():find('goal over: proven-unreachable', 1, true) end)
+  vim.cmd('silent undo')
+end)
+
+test('the map is painted, and a tile tells how one gets there', function()
+  local paint = require('hyped.paint')
+  vim.cmd('HypedPaint')
+  local namespace = vim.api.nvim_get_namespaces()['hyped.paint']
+  local function groups()
+    local found = {}
+    for _, mark in ipairs(vim.api.nvim_buf_get_extmarks(0, namespace, { 21, 0 }, { 21, -1 }, { details = true })) do
+      found[#found + 1] = mark[4].hl_group
+    end
+    return found
+  end
+  wait_for('paint', function() return #groups() == 8 end)
+  same(groups()[1], 'HypedPaintWay')
+  vim.api.nvim_win_set_cursor(0, { 22, 13 })
+  local of, index, column, row = paint.tile_under_cursor()
+  same({ index, column, row }, { 2, 1, 0 })
+  assert(paint.tell(of, index, column, row)[2]:find('^first reached at step'), vim.inspect(paint.tell(of, index, column, row)))
+  vim.cmd('HypedTile')
+  wait_for('the way', function()
+    return vim.iter(vim.api.nvim_list_wins()):any(function(window)
+      local lines = vim.api.nvim_buf_get_lines(vim.api.nvim_win_get_buf(window), 0, -1, false)
+      return vim.iter(lines):any(function(line) return line:find('right*', 1, true) ~= nil end) and #lines < 9
+    end)
+  end)
+  vim.cmd('silent %s/> 44/> 45')
+  wait_for('no paint', function() return #groups() == 0 end)
+end)
+
 for _, client in ipairs(vim.lsp.get_clients()) do
   client:stop()
 end

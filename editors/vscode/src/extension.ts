@@ -8,6 +8,7 @@ import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClie
 import { Charts } from './chart';
 import { page, reach, simulate, type Target, worldsOf } from './hypedc';
 import { HypedServer, type Level, Levels, type World } from './server';
+import { Paints } from './paint';
 import { Tests } from './tests';
 import { Timelines } from './timeline';
 import { play } from './verdicts';
@@ -50,6 +51,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const tests = new Tests(server, levels);
   const timelines = new Timelines(server, levels);
   const charts = new Charts(server, timelines);
+  const paints = new Paints(server);
   started.push(
     () => tests.listSoon(),
     () => timelines.restarted(),
@@ -62,6 +64,13 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     ...tests.disposables,
     ...timelines.disposables,
     ...charts.disposables,
+    ...paints.disposables,
+    vscode.commands.registerCommand('hypedc.paint', (uri?: string, world?: string) =>
+      withWorld(uri, world, async (at, of) => {
+        // An open map has nothing to paint without a level.
+        if ((await levels.of(at.toString(), of)) !== null) await paints.toggle(at.toString(), of.name);
+      }),
+    ),
     vscode.commands.registerCommand('hypedc.timeline', (uri?: string, world?: string) =>
       withWorld(uri, world, (at, of) => timelines.open(at, of)),
     ),

@@ -2,6 +2,7 @@
 
 import * as vscode from 'vscode';
 import type { LanguageClient } from 'vscode-languageclient/node';
+import type { Painted, TileAnswer } from './paint';
 
 /** A place in a file: lines and columns from 1. */
 export interface Place {
@@ -150,6 +151,16 @@ export class HypedServer {
   /** Chooses a level for a world. */
   chooseLevel(uri: string, world: string, level: Level | null): Promise<void> {
     return this.running().sendRequest('hypedc/chooseLevel', { textDocument: { uri }, world, level });
+  }
+
+  /** What was seen of the tiles of a world. */
+  paint(uri: string, world: string): Promise<Painted> {
+    return this.running().sendRequest<Painted>('hypedc/paint', { textDocument: { uri }, world });
+  }
+
+  /** Whether one can get to a tile. */
+  wayTo({ uri, ...about }: { uri: string; world: string; space: string; column: number; row: number }): Promise<TileAnswer> {
+    return this.running().sendRequest<TileAnswer>('hypedc/wayTo', { textDocument: { uri }, ...about });
   }
 
   /** The page of a play session. */

@@ -6,6 +6,7 @@
 -- Syntax without tree-sitter, indentation and `:make` come from the Vim files, in the folder `vim` beside this one.
 
 local level = require('hyped.level')
+local paint = require('hyped.paint')
 local verdicts = require('hyped.verdicts')
 
 local M = {}
@@ -102,6 +103,7 @@ function M.enable()
     level.choose(vim.uri_to_fname(uri), world)
   end
   verdicts.enable()
+  paint.enable()
 
   local group = vim.api.nvim_create_augroup('hyped', {})
   vim.api.nvim_create_autocmd('FileType', {
@@ -121,6 +123,9 @@ function M.enable()
       vim.api.nvim_buf_create_user_command(event.buf, 'HypedLevel', function(given)
         level.choose(vim.api.nvim_buf_get_name(event.buf), given.args)
       end, { nargs = 1, desc = 'Choose the level of a world that leaves its map open' })
+      vim.api.nvim_buf_create_user_command(event.buf, 'HypedPaint', function(given)
+        paint.toggle(vim.api.nvim_buf_get_name(event.buf), given.args ~= '' and given.args or nil)
+      end, { nargs = '?', desc = 'Paint the maps of a world, or take the paint away' })
       vim.api.nvim_buf_create_user_command(event.buf, 'HypedTest', function(given)
         require('hyped.tests').run(event.buf, given.args ~= '' and given.args or nil)
       end, {
@@ -132,6 +137,8 @@ function M.enable()
       })
     end,
   })
+  -- Levels are texts of their own: everywhere.
+  vim.api.nvim_create_user_command('HypedTile', paint.tile, { desc = 'Tell of the painted tile under the cursor' })
   -- For nvim-treesitter: `:TSInstall hyped`.
   vim.api.nvim_create_autocmd('User', {
     group = group,

@@ -54,7 +54,7 @@ fn tiles_are_painted_at_their_places() {
     client.asked();
     let painted = client.request("hypedc/paint", about(json!({}))).unwrap();
     let space = &painted["spaces"][0];
-    assert_eq!(drawn(space), "........\n=====...\nSSSSS...\n");
+    assert_eq!(drawn(space), "........\n====-...\nSSSSS...\n");
     assert_eq!((&space["space"], &space["uri"], &space["columns"]), (&json!("main"), &json!(uri("a.hyped")), &json!(8)));
     // Each character is where the tile says that it is.
     let lines: Vec<&str> = text.lines().collect();

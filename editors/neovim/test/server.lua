@@ -11,6 +11,8 @@ for _, name in ipairs({ 'game.hyped', 'slime.hyped' }) do
   vim.fn.writefile(vim.fn.readfile('../test/mistakes/' .. name, 'b'), folder .. '/' .. name, 'b')
 end
 vim.cmd.cd(folder)
+-- What the server remembers stays here.
+vim.env.XDG_CACHE_HOME = folder .. '/cache'
 
 vim.cmd.edit('slime.hyped')
 local slime = vim.api.nvim_get_current_buf()

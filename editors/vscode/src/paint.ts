@@ -112,6 +112,8 @@ export class Paints {
   /** By the URI of the program: its document, and what was painted. */
   private readonly all = new Map<string, Painted>();
   private timer: NodeJS.Timeout | undefined;
+  /** Tells of tiles, while something is painted. */
+  private hovers: vscode.Disposable | undefined;
 
   constructor(private readonly server: HypedServer) {}
 
@@ -125,9 +127,7 @@ export class Paints {
       vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => {
         if (contentChanges.length > 0) this.changed(document.uri.toString());
       }),
-      vscode.languages.registerHoverProvider([{ language: 'hyped' }, { pattern: '**/*.txt' }], {
-        provideHover: (document, position) => this.hover(document, position),
-      }),
+      { dispose: () => this.hovers?.dispose() },
     ];
   }
 
@@ -170,6 +170,14 @@ export class Paints {
   }
 
   private draw(): void {
+    if (this.all.size === 0) {
+      this.hovers?.dispose();
+      this.hovers = undefined;
+    } else {
+      this.hovers ??= vscode.languages.registerHoverProvider([{ language: 'hyped' }, { pattern: '**/*.txt' }], {
+        provideHover: (document, position) => this.hover(document, position),
+      });
+    }
     for (const editor of vscode.window.visibleTextEditors) {
       const ranges = new Map<Shade, vscode.Range[]>();
       for (const { spaces } of this.all.values()) {

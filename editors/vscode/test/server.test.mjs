@@ -48,6 +48,8 @@ world Cave {
 
 vscode.workspace.workspaceFolders = [{ uri: vscode.Uri.file(folder), name: 'slimes', index: 0 }];
 answers.settings.path = process.env.HYPEDC ?? 'hypedc';
+// What the server remembers stays here.
+process.env.XDG_CACHE_HOME = join(folder, 'cache');
 const context = {
   subscriptions: [],
   workspaceState: { get: (_, otherwise) => otherwise, update: async () => {} },
@@ -129,9 +131,10 @@ test('the document gets its layout', async () => {
 test('the lenses of the server are commands of the extension', async () => {
   const lenses = await until('lenses', async () => {
     const found = await ask('CodeLens', document);
-    return found?.length === 2 && found;
+    return found?.length === 3 && found;
   });
-  assert.deepEqual(lenses.map(({ command }) => command.command), ['hypedc.sim', 'hypedc.reach']);
+  assert.deepEqual(lenses.map(({ command }) => command.command), ['hypedc.sim', 'hypedc.play', 'hypedc.reach']);
+  assert.match(lenses[1].command.title, /^✓ [\d.]+ s · play$/);
   // The commands read the files, not the documents.
   writeFileSync(game, document.getText());
   writeFileSync(slime, other.getText());
@@ -140,6 +143,7 @@ test('the lenses of the server are commands of the extension', async () => {
   assert.match(seen.output.get('Hyped'), /world Cave: 3 steps/);
   assert.deepEqual(seen.errors, []);
   assert.match(seen.panels[0]?.webview.html, /goal over: reached[\s\S]*data:image\/svg/);
+  assert.match(seen.panels[1]?.webview.html, /goal over: reached[\s\S]*data:image\/svg/);
 });
 
 const walk = write('walk.hyped', `entity Walker {
@@ -250,6 +254,78 @@ test('the page plays the text of the editor, lights the modes of a frame, and sh
   assert.match(document.getText(), /test "by hand" \{\n {8}inputs "right\*30"\n {8}expect there at end/);
   panel.dispose();
   assert.deepEqual(lines(), []);
+  vscode.window.visibleTextEditors.pop();
+});
+
+const map = write('map.hyped', `entity Hero {
+    button right
+    collider body: rect(0, 0, 8, 8)
+    mode still {
+        x' = 0
+        when held(right) -> going
+    }
+    mode going {
+        x' = 60
+        when not held(right) -> still
+    }
+}
+world Land {
+    step 1/60
+    collide body with wall: block
+    tiles land 16 x 16 {
+        '.': empty
+        '#': wall
+    }
+    space main {
+        map level land
+        place hero: Hero at (0, 16)
+    }
+    player 1: hero
+    goal over: hero.x > 40
+}
+`);
+const level = write('level.txt', '........\n.....#..\n########\n');
+
+test('an open map asks for its level, an edit turns a verdict, and what it breaks is found', async () => {
+  const document = await open(map);
+  const titles = async () => ((await ask('CodeLens', document)) ?? []).map(({ command }) => command.title);
+  await until('a lens that asks', async () => (await titles()).includes('choose a level'));
+  answers.pick = (items) => items.find(({ label }) => label === 'level.txt');
+  await vscode.commands.executeCommand('hypedc.level', document.uri.toString(), 'Land');
+  const offered = seen.picks.at(-1).map(({ label, description }) => [label, Boolean(description)]);
+  assert.deepEqual(offered, [['level.txt', false]]);
+  await until('a verdict', async () => (await titles()).some((title) => /^✓ [\d.]+ s · play$/.test(title)));
+  assert.ok((await titles()).includes('level: level.txt'));
+  await type(document, "x' = 60", "x' = 0");
+  await until('another verdict', async () => (await titles()).some((title) => title.startsWith('✗ proven: ')));
+  const broken = () => (seen.diagnostics.get(document.uri.toString()) ?? []).filter(({ code }) => code === 'broken-goal');
+  await until('what is broken', () => broken().length === 1);
+  assert.match(broken()[0].message, /this edit broke `goal over`[\s\S]*from before: they come nearest/);
+  await type(document, "x' = 0\n        when not", "x' = 60\n        when not");
+  await until('nothing broken', () => broken().length === 0);
+});
+
+test('maps are painted in the text of the level, and a tile tells of itself', async () => {
+  const document = await open(map);
+  const text = await open(level);
+  const editor = { document: text, decorations: new Map(), setDecorations: (type, places) => editor.decorations.set(type.options, places) };
+  vscode.window.visibleTextEditors.push(editor);
+  await vscode.commands.executeCommand('hypedc.paint', document.uri.toString(), 'Land');
+  const painted = ({ backgroundColor }) => backgroundColor?.id === 'hyped.painted.way';
+  const ranges = [...editor.decorations].filter(([options]) => painted(options)).flatMap(([, ranges]) => ranges);
+  assert.deepEqual(ranges[0], new vscode.Range(1, 0, 1, 1));
+  const hover = async (line, column) => (await ask('Hover', text, new vscode.Position(line, column)))?.contents;
+  assert.match((await hover(1, 1)).value, /`\.` empty; column 2, row 2 of `main`[\s\S]*first reached at step \d+[\s\S]*Play the inputs that lead here/);
+  assert.match((await hover(0, 7)).value, /not reached with \d+ nodes of a search, which proves nothing[\s\S]*Can one get here\?/);
+  // The inputs are played.
+  seen.panels.length = 0;
+  const found = await vscode.commands.executeCommand('hypedc.tile', document.uri.toString(), 'Land', 'main', 1, 1);
+  assert.match(found.inputs, /right/);
+  assert.match(seen.panels[0].webview.html, /data:image\/svg/);
+  const other = await vscode.commands.executeCommand('hypedc.tile', document.uri.toString(), 'Land', 'main', 7, 1);
+  assert.match(other.title, /^✗ proven/);
+  await vscode.commands.executeCommand('hypedc.paint', document.uri.toString(), 'Land');
+  assert.deepEqual([...editor.decorations.values()].flat(), [], 'the paint is taken away');
   vscode.window.visibleTextEditors.pop();
 });
 

@@ -25,6 +25,7 @@ export const seen = {
   /** `[what, selector, provider]`, `what` being such as `Hover`. */
   providers: [],
   tasks: [],
+  told: [],
 };
 
 /** The answers of the user, and the settings. */
@@ -398,8 +399,9 @@ const api = {
     },
     showTextDocument: async (document) => ({ document }),
     showErrorMessage: async (message) => void seen.errors.push(message),
+    showInformationMessage: async (message) => void seen.told.push(message),
     showInputBox: async () => answers.input,
-    showQuickPick: async (choices) => (seen.picks.push(choices), answers.pick),
+    showQuickPick: async (choices) => (seen.picks.push(choices), typeof answers.pick === 'function' ? answers.pick(choices) : answers.pick),
     withProgress: (_, work) => work({ report() {} }, new CancellationTokenSource().token),
   }),
   workspace: withEvents({

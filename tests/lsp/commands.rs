@@ -10,15 +10,15 @@ const URI: &str = "file:///game/a.hyped";
 /// A walk to the right, in a world with a goal, a `never` and two tests.
 fn program(limit: u32) -> String {
     format!(
-        "entity Walker {{
+        "entity Walker {{ param speed = 60
     axis horizontal
 
     mode walking {{
-        x' = 60 * horizontal
+        x' = speed * horizontal
         when x > 10 -> far
     }}
     mode far {{
-        x' = 60 * horizontal
+        x' = speed * horizontal
     }}
 }}
 

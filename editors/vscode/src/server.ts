@@ -131,16 +131,17 @@ export class HypedServer {
     const progress = client.onProgress(workDone, workDoneToken, (value) => report?.(value.message ?? '', value.percentage ?? 0));
     try {
       const params = { command, arguments: [about], workDoneToken };
-      return await client.sendRequest<T>('workspace/executeCommand', params, token);
+      // An undefined token would count as a parameter.
+      return await client.sendRequest<T>('workspace/executeCommand', params, ...(token ? [token] : []));
     } finally {
       progress.dispose();
     }
   }
 
   /** What can be run in a document, or in all programs of the workspace. */
-  runnable(uri?: vscode.Uri, token?: vscode.CancellationToken): Promise<Runnable[]> {
+  runnable(uri?: vscode.Uri): Promise<Runnable[]> {
     const params = uri ? { textDocument: { uri: uri.toString() } } : {};
-    return this.running().sendRequest<Runnable[]>('hypedc/tests', params, token);
+    return this.running().sendRequest<Runnable[]>('hypedc/tests', params);
   }
 
   /** The level that was chosen for a world; with all files that may be levels, if they are wanted. */

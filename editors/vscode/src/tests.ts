@@ -225,7 +225,11 @@ function wordsOf({ kind, goal, verdict, steps, seconds_of_play, reasons }: GoalA
 /** `hero.x > 3: 2 and 3` */
 function valuesOf({ text, held, sides }: Atom): string {
   const holds = held === null ? 'cannot be evaluated' : held ? 'holds' : 'does not hold';
-  return `${text} ${holds}${sides ? `: ${sides.map((side) => Number(side.toFixed(4))).join(' and ')}` : ''}`;
+  return `${text} ${holds}${sides ? `: ${sides.map(short).join(' and ')}` : ''}`;
+}
+
+function short(value: number): string {
+  return String(Number(value.toFixed(4)));
 }
 
 /** Why a test failed, at the lines of its claims. */
@@ -239,12 +243,10 @@ function messages(item: vscode.TestItem, result: TestResult): vscode.TestMessage
   const found = result.problems.map((problem) => at(new vscode.TestMessage(problem), result.place));
   for (const claim of result.claims.filter(({ passed }) => !passed)) {
     const values = claim.parts.map(valuesOf);
-    const message = new vscode.TestMessage([claim.answer, ...claim.reasons, ...values].join('\n'));
-    if (values.length > 0) {
-      message.expectedOutput = claim.claim;
-      message.actualOutput = values.join('\n');
-    }
-    found.push(at(message, claim.place));
+    // The editor shows the first line beside the claim.
+    const first = claim.parts.find(({ held, sides }) => held === false && sides);
+    const value = first?.sides ? `: ${first.sides.map(short).join(' and ')}` : '';
+    found.push(at(new vscode.TestMessage([`${claim.answer}${value}`, ...claim.reasons, ...values].join('\n')), claim.place));
   }
   return found;
 }

@@ -95,6 +95,7 @@ async function tour() {
 }
 
 await run(async () => {
-  await tour();
+  if (!process.env.ONLY) await tour();
+  else await begin();
   await play.tour(bench);
 });

@@ -85,22 +85,53 @@ world Hall {
 }
 `;
 
+/** The text of a line of the editor, with its inlay hints. */
+const lineText = async (page, has) => (await page.locator('.view-line', { hasText: has }).first().innerText()).replaceAll('\u00a0', ' ');
+
+/** Waits until something holds. */
+async function until(what, holds) {
+  for (let end = Date.now() + 20_000; Date.now() < end; ) {
+    if (await holds()) return;
+    await new Promise((done) => setTimeout(done, 100));
+  }
+  assert.fail(`never: ${what}`);
+}
+
 async function tour({ page, keyboard, see, gone, look, command, open, go }) {
+  await command('View: Close All Editors');
   await open('0walk.hyped');
   await see('.view-line', 'Walks, and leaps');
-  // A test fails at its line, with its values.
-  await command('Test: Run Tests in Current File');
-  await see('.monaco-editor .zone-widget, .monaco-editor .test-message-inline-content, .view-line', 'hero.y > 400');
-  await see('.testing-diff-editor, .test-output-peek, .testing-inline-message-severity-0, .test-message-inline-content', '');
-  await look('test-failed');
-  await keyboard.press('Escape');
 
-  // The page plays the text; keys play, the slider goes back, the modes of the frame are lit.
-  await page.locator('.editor-group-container.active .view-lines').first().click();
+  // A test fails at its line, with its values.
+  await page.locator('.activitybar [aria-label^="Testing"]').first().click();
+  await see('.test-explorer .monaco-list-row', '0walk.hyped');
+  await page.locator('.view-line', { hasText: 'Walks, and leaps' }).click();
+  await command('Test: Run Tests in Current File');
+  await see('.monaco-list-row', 'does not hold after step 31');
+  await command('View: Toggle Panel Visibility');
+  await go(52, 1);
+  await see('.monaco-editor', 'does not hold after step 31 (0.52 s): 49.25 and 400');
+  await look('test-failed');
+  await go(1, 1);
+
+  // The page plays the text: keys play, the slider goes back; the modes of the frame are lit, guards show their values.
+  await page.locator('.view-line', { hasText: 'Walks, and leaps' }).click();
   await command('Hyped: Play and Scrub');
   const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
   await shown.locator('canvas').first().waitFor();
   await shown.getByText('0walk').first().waitFor();
+  await go(1, 1);
+  await shown.locator('canvas').first().click();
+  await keyboard.down('ArrowRight');
+  await page.waitForTimeout(500);
+  await keyboard.down('KeyX');
+  await keyboard.down('Space');
+  await page.waitForTimeout(300);
+  await look('timeline-plays');
+  await keyboard.up('Space');
+  await keyboard.up('KeyX');
+  await keyboard.up('ArrowRight');
+  await keyboard.press('KeyP');
   await look('timeline');
 }
 

@@ -91,7 +91,10 @@ export async function start(folder, files, pictures) {
   const go = (line, column) => pick('Control+g', `${line}:${column}`);
   const type = (text) => keyboard.type(text, { delay: 40 });
   /** Opens the folder. */
-  const begin = () => page.goto(`http://127.0.0.1:${port}/?folder=${encodeURIComponent(work)}`);
+  async function begin() {
+    await page.goto(`http://127.0.0.1:${port}/?folder=${encodeURIComponent(work)}`);
+    await see('.explorer-folders-view .monaco-list-row');
+  }
 
   /** Runs something, takes a picture if it fails, and ends everything. */
   async function run(what) {

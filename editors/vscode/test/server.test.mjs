@@ -318,7 +318,9 @@ test('maps are painted in the text of the level, and a tile tells of itself', as
   const painted = ({ backgroundColor }) => backgroundColor?.id === 'hyped.painted.way';
   const ranges = [...editor.decorations].filter(([options]) => painted(options)).flatMap(([, ranges]) => ranges);
   assert.deepEqual(ranges[0], new vscode.Range(1, 0, 1, 1));
-  const hover = async (line, column) => (await ask('Hover', text, new vscode.Position(line, column)))?.contents;
+  // The extension's own hovers come beside those of the client.
+  const [, , tiles] = seen.providers.filter(([what]) => what === 'Hover').at(-1);
+  const hover = async (line, column) => tiles.provideHover(text, new vscode.Position(line, column))?.contents;
   assert.match((await hover(1, 1)).value, /`\.` empty; column 2, row 2 of `main`[\s\S]*first reached at step \d+[\s\S]*Play the inputs that lead here/);
   assert.match((await hover(0, 7)).value, /not reached with \d+ nodes of a search, which proves nothing[\s\S]*Can one get here\?/);
   // The inputs are played.

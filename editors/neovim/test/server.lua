@@ -177,7 +177,7 @@ test('the buffer is asked, not the file', function()
     return buffer ~= -1 and table.concat(vim.api.nvim_buf_get_lines(buffer, 0, -1, false), '\n') or ''
   end
   wait_for('an answer', function() return answer():find('goal over: reached', 1, true) end)
-  vim.cmd('silent %s/> 44/> 4444')
+  vim.cmd('silent %s/> 44/< -9')
   vim.cmd('HypedReach over')
   wait_for('another answer', function() return answer():find('goal over: proven-unreachable', 1, true) end)
   vim.cmd('silent undo')

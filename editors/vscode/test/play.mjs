@@ -120,19 +120,43 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
   await shown.locator('canvas').first().waitFor();
   await shown.getByText('0walk').first().waitFor();
-  await go(1, 1);
+  const lit = () =>
+    page.evaluate(() => {
+      const top = (row) => row.style.top;
+      const numbers = [...document.querySelectorAll('.margin-view-overlays > div')].map((row) => [top(row), row.querySelector('.line-numbers')?.textContent]);
+      const lines = new Map(numbers);
+      const rows = [...document.querySelectorAll('.view-overlays > div')].filter((row) => row.querySelector('[class*="ced-"]'));
+      return rows.map((row) => lines.get(top(row))).filter(Boolean).join();
+    });
+  await until('the first mode is lit', async () => (await lit()) === '9');
   await shown.locator('canvas').first().click();
   await keyboard.down('ArrowRight');
   await page.waitForTimeout(500);
-  await keyboard.down('KeyX');
-  await keyboard.down('Space');
-  await page.waitForTimeout(300);
-  await look('timeline-plays');
-  await keyboard.up('Space');
-  await keyboard.up('KeyX');
+  await keyboard.press('Space', { delay: 150 });
   await keyboard.up('ArrowRight');
+  await until('a leap is lit', async () => (await lit()).split(',').includes('14'));
   await keyboard.press('KeyP');
   await look('timeline');
+  const time = shown.locator('input[type=range]').first();
+  await time.fill('5');
+  await until('the first mode is lit again', async () => (await lit()) === '9');
+  await until('the guard has its value', async () => (await lineText(page, 'when pressed')).includes('✗'));
+  await look('timeline-scrubbed');
+
+  // What is typed is played at once.
+  await page.locator('.view-line', { hasText: 'param speed' }).click();
+  await keyboard.press('End');
+  await keyboard.type('0');
+  await see('.view-line', '900');
+  await page.waitForTimeout(500);
+  await keyboard.press('Control+z');
+
+  // The statechart follows the cursor, and shows the mode of the frame.
+  await command('Hyped: Show the Statechart');
+  const chart = page.frameLocator('iframe.webview >> nth=1').frameLocator('#active-frame');
+  await chart.locator('svg rect.active').first().waitFor();
+  await look('chart');
+  await command('View: Close All Editors');
 }
 
 export const play = { files: { '0walk.hyped': WALK, '0ball.hyped': MISTAKES }, tour };

@@ -14,6 +14,8 @@ text{font:12px system-ui,-apple-system,\"Segoe UI\",\"Helvetica Neue\",Arial,\"D
 .accent0{fill:#8250df;fill-opacity:.45}.accent1{fill:#1b9aaa;fill-opacity:.45}.accent2{fill:#9a6700;fill-opacity:.45}
 .accent3{fill:#c2559d;fill-opacity:.45}.accent4{fill:#7d8530;fill-opacity:.45}.accent5{fill:#3d7a8c;fill-opacity:.45}
 .heat{fill:#0969da;shape-rendering:crispEdges}.tree{fill:none;stroke:#0a3069;stroke-opacity:.42;stroke-width:.7}.key{stroke-width:1.5;stroke-opacity:.8}
+.layer{fill-opacity:.75;shape-rendering:crispEdges}.layer0{fill:#9be3c3}.layer1{fill:#56c2d6}.layer2{fill:#4a93d1}
+.layer3{fill:#6a61c4}.layer4{fill:#9c3a9e}.layer5{fill:#b3124f}
 .goal{fill:#2da44e;fill-opacity:.2}.rim{fill:none;stroke:#1a7f37;stroke-width:2;stroke-dasharray:7 4}
 .link{fill:#8250df;fill-opacity:.14;stroke:#8250df;stroke-width:1.5;stroke-dasharray:3 2}
 .thing{fill:#6639ba;fill-opacity:.2;stroke:#6639ba;stroke-width:1.5}.block{fill:#525c68;fill-opacity:.4;stroke:#414a55;stroke-width:1.5}

@@ -33,12 +33,14 @@ pub(super) fn svg(
         Target::Never(_) => None,
     });
     let goals: Vec<GoalId> = goals.collect();
-    let floors = |layer: &super::result::LayerResult| {
-        format!("{}: {} of {}", layer.name, layer.tops_stood_on, counted(result.tops, "floor tile"))
-    };
+    let floors = |layer: &super::result::LayerResult| format!("{} {}", layer.name, layer.tops_stood_on);
     let notes = [
         "each place in the colour of the first players who were there, as far as the searches found".to_string(),
-        format!("stood on: {}", result.layers.iter().map(floors).collect::<Vec<_>>().join("; ")),
+        format!(
+            "stood on of {}: {}",
+            counted(result.tops, "floor tile"),
+            result.layers.iter().map(floors).collect::<Vec<_>>().join(", ")
+        ),
     ];
     let picture = Picture {
         title: "who gets where",

@@ -12,7 +12,7 @@ use crate::cli::args::ReachArgs;
 fn answer(layer: &LayerResult, answer: &AnswerResult) -> String {
     let words = answer.verdict.words();
     match (answer.verdict, answer.seconds_of_play) {
-        (Conclusion::Reached | Conclusion::Violated, _) if answer.of != layer.name => "the same way".to_string(),
+        (Conclusion::Reached | Conclusion::Violated, _) if answer.of != layer.name => format!("as {}", answer.of),
         (_, Some(seconds)) => format!("{words} in {seconds:.2} s{}", with_luck(answer.luck.as_ref())),
         _ => words.to_string(),
     }
@@ -70,7 +70,8 @@ pub(super) fn result_text(result: &SkillResult, args: &ReachArgs) -> String {
                 new.push(format!("floors {}", floors(&layer.new_tops, has_rooms, args.verbose)));
             }
             if !new.is_empty() {
-                out.push_str(&format!("  new with {}: {}\n", layer.name.trim_start_matches("with"), new.join(", ")));
+                let with = if layer.without.is_some() { "" } else { "with " };
+                out.push_str(&format!("  new {with}{}: {}\n", layer.name, new.join(", ")));
             }
         }
         if !result.nobody.is_empty() {

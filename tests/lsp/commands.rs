@@ -83,7 +83,8 @@ fn commands_run_the_text_of_the_editor() {
     let offered = &client.capabilities["capabilities"]["executeCommandProvider"]["commands"];
     assert_eq!(*offered, json!(["hypedc.reach", "hypedc.sim", "hypedc.test", "hypedc.why"]));
 
-    let found = execute(&mut client, "hypedc.reach", json!({ "uri": URI, "goals": ["there"], "nevers": ["back"] })).unwrap();
+    let found =
+        execute(&mut client, "hypedc.reach", json!({ "uri": URI, "goals": ["there"], "nevers": ["back"] })).unwrap();
     assert_eq!(found["goals"][0]["verdict"], "reached");
     // The goal of the file on the disk is reached after a step or two.
     assert!(found["goals"][0]["steps"].as_u64().unwrap() >= 25, "{found}");
@@ -162,7 +163,8 @@ fn a_search_tells_its_progress_blocks_nothing_and_ends_when_it_is_cancelled() {
 #[test]
 fn progress_is_told_in_numbers_that_grow() {
     let mut client = open(&hard());
-    let params = json!({ "command": "hypedc.reach", "arguments": [{ "uri": URI, "nodes": 3_000 }], "workDoneToken": 7 });
+    let params =
+        json!({ "command": "hypedc.reach", "arguments": [{ "uri": URI, "nodes": 3_000 }], "workDoneToken": 7 });
     let found = client.request("workspace/executeCommand", params).unwrap();
     assert_eq!(found["goals"][0]["verdict"], "not-found", "the search takes all of its nodes");
     let reports = client.progress.iter().filter(|told| told["token"] == 7 && told["value"]["kind"] == "report");
@@ -183,7 +185,8 @@ fn a_server_that_ends_ends_its_searches() {
 
 #[test]
 fn what_can_be_run_is_listed() {
-    let mut client = Client::start(&[("/game/b.hyped", "world Open {\n    space s {\n        map level t\n    }\n}\n")], json!({}));
+    let mut client =
+        Client::start(&[("/game/b.hyped", "world Open {\n    space s {\n        map level t\n    }\n}\n")], json!({}));
     client.open(URI, &program(25));
     let all = client.request("hypedc/tests", json!({})).unwrap();
     let names = |of: &Value| -> Vec<String> {
@@ -232,7 +235,10 @@ fn a_run_in_the_editor_lights_its_modes_and_becomes_a_test() {
     let record = |predicate: &str| json!({ "uri": URI, "test": "new", "inputs": "right*20", "predicate": predicate });
     let recorded = client.request("hypedc/record", record("hero.x > 15")).unwrap();
     let text = recorded["text"].as_str().unwrap();
-    assert!(text.contains("test \"new\" {\n        inputs \"right*20\"\n        expect hero.x > 15 at end\n"), "{text}");
+    assert!(
+        text.contains("test \"new\" {\n        inputs \"right*20\"\n        expect hero.x > 15 at end\n"),
+        "{text}"
+    );
     let (_, why) = client.request("hypedc/record", record("hero.x > 25")).unwrap_err();
     assert!(why.contains("does not pass"), "{why}");
     assert!(client.request("hypedc/page", Value::Null).unwrap().as_str().unwrap().starts_with("<!doctype html>"));

@@ -176,6 +176,13 @@ fn reasons_are_as_their_schema_says() {
 }
 
 #[test]
+fn runs_are_as_their_schema_says() {
+    let link = "examples/link.hyped --inputs-file examples/inputs/link.inputs";
+    let runs = [link.to_string(), format!("{link} --frames 10"), "examples/balloon.hyped --inputs -*90".to_string()];
+    validate("sim", &runs.map(|run| written(&format!("sim --format json {run}"))));
+}
+
+#[test]
 fn rows_are_as_their_schema_says() {
     let (rows, again) = (temporary("rows.jsonl"), temporary("again.jsonl"));
     let broken = temporary("broken.txt");

@@ -128,6 +128,53 @@ fn commands_run_the_text_of_the_editor() {
     assert!(client.stop());
 }
 
+/// What a result says that does not depend on the time it took.
+fn timeless(mut value: Value) -> Value {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(fields) => {
+                fields.retain(|key, _| !["seconds", "analysis_seconds", "filtered"].contains(&key.as_str()));
+                fields.values_mut().for_each(strip);
+            }
+            Value::Array(all) => all.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    strip(&mut value);
+    value
+}
+
+#[test]
+fn results_are_those_of_the_command_line() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("lsp-commands");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("a.hyped");
+    std::fs::write(&path, program(25)).unwrap();
+    let path = path.to_str().unwrap();
+    let uri = format!("file://{path}");
+    let mut client = Client::start(&[], json!({}));
+    client.open(&uri, &program(25));
+    let run = "right*30";
+    for (command, options, about) in [
+        ("reach", vec!["--goal", "there", "--never", "back"], json!({ "goals": ["there"], "nevers": ["back"] })),
+        ("reach", vec!["--goal", "hero.y > 3"], json!({ "goals": ["hero.y > 3"] })),
+        ("reach", vec!["--without", "hero in far", "--seed", "3"], json!({ "without": "hero in far", "seed": 3 })),
+        ("sim", vec!["--inputs", run], json!({ "inputs": run })),
+        ("test", vec!["--no-ways", "--coverage"], json!({ "coverage": true })),
+        ("why", vec!["--inputs", run, "--at", "12"], json!({ "inputs": run, "at": 12 })),
+        ("why", vec!["--inputs", "-*9", "--mode", "far", "--not"], json!({ "inputs": "-*9", "mode": "far", "not": true })),
+    ] {
+        let mut all = about.as_object().unwrap().clone();
+        all.insert("uri".into(), json!(uri));
+        let by_server = execute(&mut client, &format!("hypedc.{command}"), Value::Object(all)).unwrap();
+        let arguments = [vec![command, path, "--format", "json"], options].concat();
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_hypedc")).args(&arguments).output().unwrap();
+        let by_command: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(timeless(by_server), timeless(by_command), "{arguments:?}");
+    }
+    assert!(client.stop());
+}
+
 #[test]
 fn a_search_tells_its_progress_blocks_nothing_and_ends_when_it_is_cancelled() {
     for by_progress in [false, true] {

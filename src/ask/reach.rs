@@ -9,7 +9,7 @@ use crate::compile::question_name;
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
-use crate::ir::{NeverId, World, WorldId};
+use crate::ir::{World, WorldId};
 use crate::reach::query::{Answer, Kind, Session};
 use crate::reach::{Outcome, Target};
 use crate::sim::{Script, parse_script};
@@ -127,20 +127,18 @@ pub fn read_scripts(
     Ok(scripts)
 }
 
-/// The named targets without duplicates, or all goals.
+/// The named targets without duplicates, or all goals, as far as they are offered; none if the world has none.
 ///
 /// # Errors
-/// A name that the world does not have; no goal.
+/// A name that the world does not have.
 pub fn targets(
     world: &World,
     (goals, nevers): (&[String], &[String]),
-    without: Option<NeverId>,
+    is_offered: &dyn Fn(Target) -> bool,
 ) -> Result<Vec<Target>, Refusal> {
-    let known_goals: Vec<(Target, &str)> =
-        world.goals.pairs().map(|(id, goal)| (Target::Goal(id), goal.name.as_str())).collect();
-    let known_nevers = world.nevers.pairs().filter(|(id, _)| Some(*id) != without);
-    let known_nevers: Vec<(Target, &str)> =
-        known_nevers.map(|(id, never)| (Target::Never(id), never.name.as_str())).collect();
+    let known = |target: Target| is_offered(target).then(|| (target, target.name(world)));
+    let known_goals: Vec<(Target, &str)> = world.goals.ids().map(Target::Goal).filter_map(known).collect();
+    let known_nevers: Vec<(Target, &str)> = world.nevers.ids().map(Target::Never).filter_map(known).collect();
     let mut chosen = Vec::new();
     for (kind, known, names) in [(Kind::Goal, &known_goals, goals), (Kind::Never, &known_nevers, nevers)] {
         for text in names {
@@ -155,14 +153,15 @@ pub fn targets(
     if goals.is_empty() && nevers.is_empty() {
         chosen.extend(known_goals.iter().map(|(target, _)| *target));
     }
-    if chosen.is_empty() {
-        let why = format!("`{}` has no goal", world.name);
-        let help = "add one, such as `goal arrive: near(hero, (416, 48), 16)`, ask a predicate with `--goal`, or see what \
-                    there is with `--explore`";
-        let help = Some(help.to_string());
-        return Err(Refusal::of(NoQuestion { why, near: None, help }));
-    }
     Ok(chosen)
+}
+
+/// Why nothing can be asked about a world without goals.
+pub fn no_goal(world: &World) -> Refusal {
+    let why = format!("`{}` has no goal", world.name);
+    let help = "add one, such as `goal arrive: near(hero, (416, 48), 16)`, ask a predicate with `--goal`, or see what \
+                there is with `--explore`";
+    Refusal::of(NoQuestion { why, near: None, help: Some(help.to_string()) })
 }
 
 /// Refuses an unknown name of a goal or `never`.

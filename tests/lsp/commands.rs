@@ -83,7 +83,8 @@ fn commands_run_the_text_of_the_editor() {
     let offered = &client.capabilities["capabilities"]["executeCommandProvider"]["commands"];
     assert_eq!(*offered, json!(["hypedc.reach", "hypedc.sim", "hypedc.test", "hypedc.why"]));
 
-    let found = execute(&mut client, "hypedc.reach", json!({ "uri": URI, "goals": ["there"], "nevers": ["back"] })).unwrap();
+    let found =
+        execute(&mut client, "hypedc.reach", json!({ "uri": URI, "goals": ["there"], "nevers": ["back"] })).unwrap();
     assert_eq!(found["goals"][0]["verdict"], "reached");
     // The goal of the file on the disk is reached after a step or two.
     assert!(found["goals"][0]["steps"].as_u64().unwrap() >= 25, "{found}");
@@ -127,6 +128,53 @@ fn commands_run_the_text_of_the_editor() {
     assert!(client.stop());
 }
 
+/// What a result says that does not depend on the time it took.
+fn timeless(mut value: Value) -> Value {
+    fn strip(value: &mut Value) {
+        match value {
+            Value::Object(fields) => {
+                fields.retain(|key, _| !["seconds", "analysis_seconds", "filtered"].contains(&key.as_str()));
+                fields.values_mut().for_each(strip);
+            }
+            Value::Array(all) => all.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    strip(&mut value);
+    value
+}
+
+#[test]
+fn results_are_those_of_the_command_line() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("lsp-commands");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("a.hyped");
+    std::fs::write(&path, program(25)).unwrap();
+    let path = path.to_str().unwrap();
+    let uri = format!("file://{path}");
+    let mut client = Client::start(&[], json!({}));
+    client.open(&uri, &program(25));
+    let run = "right*30";
+    for (command, options, about) in [
+        ("reach", vec!["--goal", "there", "--never", "back"], json!({ "goals": ["there"], "nevers": ["back"] })),
+        ("reach", vec!["--goal", "hero.y > 3"], json!({ "goals": ["hero.y > 3"] })),
+        ("reach", vec!["--without", "hero in far", "--seed", "3"], json!({ "without": "hero in far", "seed": 3 })),
+        ("sim", vec!["--inputs", run], json!({ "inputs": run })),
+        ("test", vec!["--no-ways", "--coverage"], json!({ "coverage": true })),
+        ("why", vec!["--inputs", run, "--at", "12"], json!({ "inputs": run, "at": 12 })),
+        ("why", vec!["--inputs", "-*9", "--mode", "far", "--not"], json!({ "inputs": "-*9", "mode": "far", "not": true })),
+    ] {
+        let mut all = about.as_object().unwrap().clone();
+        all.insert("uri".into(), json!(uri));
+        let by_server = execute(&mut client, &format!("hypedc.{command}"), Value::Object(all)).unwrap();
+        let arguments = [vec![command, path, "--format", "json"], options].concat();
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_hypedc")).args(&arguments).output().unwrap();
+        let by_command: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(timeless(by_server), timeless(by_command), "{arguments:?}");
+    }
+    assert!(client.stop());
+}
+
 #[test]
 fn a_search_tells_its_progress_blocks_nothing_and_ends_when_it_is_cancelled() {
     for by_progress in [false, true] {
@@ -162,7 +210,8 @@ fn a_search_tells_its_progress_blocks_nothing_and_ends_when_it_is_cancelled() {
 #[test]
 fn progress_is_told_in_numbers_that_grow() {
     let mut client = open(&hard());
-    let params = json!({ "command": "hypedc.reach", "arguments": [{ "uri": URI, "nodes": 3_000 }], "workDoneToken": 7 });
+    let params =
+        json!({ "command": "hypedc.reach", "arguments": [{ "uri": URI, "nodes": 3_000 }], "workDoneToken": 7 });
     let found = client.request("workspace/executeCommand", params).unwrap();
     assert_eq!(found["goals"][0]["verdict"], "not-found", "the search takes all of its nodes");
     let reports = client.progress.iter().filter(|told| told["token"] == 7 && told["value"]["kind"] == "report");
@@ -183,7 +232,8 @@ fn a_server_that_ends_ends_its_searches() {
 
 #[test]
 fn what_can_be_run_is_listed() {
-    let mut client = Client::start(&[("/game/b.hyped", "world Open {\n    space s {\n        map level t\n    }\n}\n")], json!({}));
+    let mut client =
+        Client::start(&[("/game/b.hyped", "world Open {\n    space s {\n        map level t\n    }\n}\n")], json!({}));
     client.open(URI, &program(25));
     let all = client.request("hypedc/tests", json!({})).unwrap();
     let names = |of: &Value| -> Vec<String> {
@@ -232,7 +282,10 @@ fn a_run_in_the_editor_lights_its_modes_and_becomes_a_test() {
     let record = |predicate: &str| json!({ "uri": URI, "test": "new", "inputs": "right*20", "predicate": predicate });
     let recorded = client.request("hypedc/record", record("hero.x > 15")).unwrap();
     let text = recorded["text"].as_str().unwrap();
-    assert!(text.contains("test \"new\" {\n        inputs \"right*20\"\n        expect hero.x > 15 at end\n"), "{text}");
+    assert!(
+        text.contains("test \"new\" {\n        inputs \"right*20\"\n        expect hero.x > 15 at end\n"),
+        "{text}"
+    );
     let (_, why) = client.request("hypedc/record", record("hero.x > 25")).unwrap_err();
     assert!(why.contains("does not pass"), "{why}");
     assert!(client.request("hypedc/page", Value::Null).unwrap().as_str().unwrap().starts_with("<!doctype html>"));

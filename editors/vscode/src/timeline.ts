@@ -328,8 +328,9 @@ export class Timeline {
       if (!place || (document.uri.fsPath !== place.path && document.uri.toString() !== place.path)) return [];
       const line = place.line - 1;
       if (line < within.start.line || line > within.end.line || line >= document.lineCount) return [];
-      const hint = new vscode.InlayHint(document.lineAt(line).range.end, labelOf(held, atoms));
+      const hint = new vscode.InlayHint(new vscode.Position(line, guardEnd(document.lineAt(line).text)), labelOf(held, atoms));
       hint.paddingLeft = true;
+      hint.paddingRight = true;
       hint.tooltip = atoms.map(({ text, held, sides }) => `${held ? '✓' : '✗'} ${text}${sides ? ` (${sides.map(short).join(', ')})` : ''}`).join('\n');
       return [hint];
     });
@@ -387,6 +388,12 @@ function short(value: number): string {
   return String(Number(value.toFixed(2)));
 }
 
+/** Where the guard of an edge ends in its line: before the arrow or the block, or else at the end. */
+export function guardEnd(line: string): number {
+  const end = /\s*(->|\{|\/\/|$)/.exec(line.replace(/^\s*/, (blank) => '_'.repeat(blank.length)));
+  return end?.index ?? line.length;
+}
+
 /** `✗ 12 > 48`: the values in place of names. */
 export function labelOf(held: boolean, atoms: Atom[]): string {
   const values = atoms.map(({ text, held, sides }) => {
@@ -403,5 +410,5 @@ export function pageOf(html: string, world: string): string {
   const name = world.replace(/[&<>"']/g, (sign) => `&#${sign.charCodeAt(0)};`);
   return html
     .replace(/<html([^>]*)>/, (_, rest: string) => `<html${rest} data-world="${name}">`)
-    .replace('<head>', () => `<head>\n<meta http-equiv="Content-Security-Policy" content="${policy}">`);
+    .replace('<head>', () => `<head>\n<meta http-equiv="Content-Security-Policy" content="${policy}">\n<style>html body { padding: 0; }</style>`);
 }

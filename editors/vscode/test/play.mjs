@@ -69,9 +69,9 @@ const MISTAKES = `entity Ball {
         when pressed(throw_itt) -> flyng
     }
     mode flying {
-        y'' = -9 * weigth
-        spin' = spinn
-        when touching(bodi, wall) -> resting
+        y'' = -weigth
+        spin = spinn + 1
+        when touching(body, wall) -> resting
     }
 }
 
@@ -79,7 +79,7 @@ world Hall {
     collide body with wall: block
     space main {
         rect wall (0, 0, 64, 8)
-        place ball: Ball at (0, 32)
+        place ball: Boll at (0, 32)
     }
     player 1: ball
 }
@@ -107,8 +107,7 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   await see('.test-explorer .monaco-list-row', '0walk.hyped');
   await page.locator('.view-line', { hasText: 'Walks, and leaps' }).click();
   await command('Test: Run Tests in Current File');
-  await see('.monaco-list-row', 'does not hold after step 31');
-  await command('View: Toggle Panel Visibility');
+  await see('.test-explorer', '2/4');
   await go(52, 1);
   await see('.monaco-editor', 'does not hold after step 31 (0.52 s): 49.25 and 400');
   await look('test-failed');
@@ -120,19 +119,78 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
   await shown.locator('canvas').first().waitFor();
   await shown.getByText('0walk').first().waitFor();
-  await go(1, 1);
+  const lit = () =>
+    page.evaluate(() => {
+      const top = (row) => row.style.top;
+      const numbers = [...document.querySelectorAll('.margin-view-overlays > div')].map((row) => [top(row), row.querySelector('.line-numbers')?.textContent]);
+      const lines = new Map(numbers);
+      const rows = [...document.querySelectorAll('.view-overlays > div')].filter((row) => row.querySelector('[class*="ced-"]'));
+      return rows.map((row) => lines.get(top(row))).filter(Boolean).join();
+    });
+  await until('the first mode is lit', async () => (await lit()) === '9');
   await shown.locator('canvas').first().click();
   await keyboard.down('ArrowRight');
   await page.waitForTimeout(500);
-  await keyboard.down('KeyX');
-  await keyboard.down('Space');
-  await page.waitForTimeout(300);
-  await look('timeline-plays');
-  await keyboard.up('Space');
-  await keyboard.up('KeyX');
+  await keyboard.press('Space', { delay: 150 });
   await keyboard.up('ArrowRight');
+  await until('a leap is lit', async () => (await lit()).split(',').includes('14'));
   await keyboard.press('KeyP');
   await look('timeline');
+  const time = shown.locator('input[type=range]').first();
+  await time.fill('5');
+  await until('the first mode is lit again', async () => (await lit()) === '9');
+  await until('the guard has its value', async () => (await lineText(page, 'when pressed')).includes('✗'));
+  await look('timeline-scrubbed');
+
+  // What is typed is played at once: faster, the same inputs lead further.
+  const where = () => shown.locator('canvas').first().evaluate(() => window.studio.game.now.x?.[0] ?? JSON.stringify(window.studio.game.frame.bodies.slice(0, 4)));
+  const before = await where();
+  await page.locator('.view-line', { hasText: 'param speed' }).click({ position: { x: 60, y: 8 } });
+  await go(3, 19);
+  await keyboard.type('5');
+  await until('the run is another', async () => (await where()) !== before);
+  await keyboard.press('Backspace');
+  await until('the run is as before', async () => (await where()) === before);
+
+  // The statechart follows the cursor, and shows the mode of the frame.
+  await go(15, 10);
+  await command('Hyped: Show the Statechart');
+  const marked = async (name) => {
+    const all = await Promise.all(page.frames().map((frame) => frame.locator(`#chart rect.${name}`).count().catch(() => 0)));
+    return all.reduce((sum, count) => sum + count);
+  };
+  await until('the mode of the frame is marked', async () => (await marked('active')) === 1 && (await marked('cursor')) === 1);
+  await look('chart');
+  await command('View: Close All Editors');
+
+  // Five mistakes and their fixes.
+  await page.locator('.activitybar [aria-label^="Explorer"]').first().click();
+  await open('0ball.hyped');
+  await see('.squiggly-error');
+  for (const [line, column, wrong, right] of [
+    [9, 25, 'throw_itt', 'throw_it'],
+    [9, 38, 'flyng', 'flying'],
+    [12, 17, 'weigth', 'weight'],
+    [13, 18, 'spinn', 'spin'],
+    [22, 22, 'Boll', 'Ball'],
+  ]) {
+    await go(line, column);
+    // Findings of the text of before have no fixes.
+    await until(`a fix of ${wrong}`, async () => {
+      await keyboard.press('Control+.');
+      const row = page.locator('.action-widget .monaco-list-row', { hasText: right }).first();
+      const isSeen = await row.waitFor({ timeout: 2000 }).then(() => true, () => false);
+      if (!isSeen) await keyboard.press('Escape');
+      return isSeen;
+    });
+    if (line === 12) await look('fixes');
+    const focused = page.locator('.action-widget .monaco-list-row.focused');
+    for (let tries = 0; tries < 20 && !(await focused.innerText()).includes(right); tries++) await keyboard.press('ArrowDown');
+    await keyboard.press('Enter');
+    await until(`no ${wrong}`, async () => (await page.locator('.view-line', { hasText: wrong }).count()) === 0);
+  }
+  await gone('.squiggly-error');
+  await look('fixed');
 }
 
 export const play = { files: { '0walk.hyped': WALK, '0ball.hyped': MISTAKES }, tour };

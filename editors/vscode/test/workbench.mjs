@@ -40,7 +40,7 @@ export async function start(folder, files, pictures) {
   for (const [name, text] of Object.entries(files)) writeFileSync(join(work, name), text);
   for (const [name, settings] of Object.entries({
     Machine: { 'hypedc.path': hypedc },
-    User: { 'workbench.startupEditor': 'none', 'security.workspace.trust.enabled': false, 'workbench.tips.enabled': false, 'editor.cursorBlinking': 'solid' },
+    User: { 'workbench.startupEditor': 'none', 'security.workspace.trust.enabled': false, 'workbench.tips.enabled': false, 'editor.cursorBlinking': 'solid', 'testing.automaticallyOpenTestResults': 'neverOpen' },
   })) {
     mkdirSync(join(home, name));
     writeFileSync(join(home, name, 'settings.json'), JSON.stringify(settings));

@@ -1,7 +1,7 @@
 //! Builds the query from the arguments of `hypedc reach`: targets, starts and settings. Invalid questions are refused
 //! here, before any analysis.
 
-use crate::ask::{read_scripts, targets};
+use crate::ask::{no_goal, read_scripts, targets};
 use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, added_nevers};
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
@@ -13,11 +13,14 @@ use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
+use crate::cli::without::Without;
 
 /// The name of the `never` that `--without` adds: not a valid name in a program.
 pub(in crate::cli) const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
+/// The source of predicates of `--skill-without`.
+pub(in crate::cli) const SKILL_WITHOUT: &str = "--skill-without";
 /// The source of predicates of `--never`.
 pub(in crate::cli) const NEVER: &str = "--never";
 
@@ -34,12 +37,15 @@ impl<'a> ReachChanges<'a> {
         let question = |asked, origin| move |text: &'a String| ExtraQuestion { asked, world, text, origin };
         let goals = args.goal.iter().map(question(Asked::Goal, "--goal"));
         let nevers = args.never.iter().map(question(Asked::Never, NEVER));
+        let without = args.person.skill_without.iter().filter(|text| Without::read(text).predicate().is_some());
+        let without = without.map(question(Asked::Never, SKILL_WITHOUT));
+        let is_wandering = args.explore || args.person.has_layers();
         let nowhere =
-            args.explore.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
+            is_wandering.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
         let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
         ReachChanges {
-            questions: goals.chain(nevers).chain(nowhere).collect(),
-            constraint: args.without.as_deref().map(constraint),
+            questions: goals.chain(nevers).chain(without).chain(nowhere).collect(),
+            constraint: args.without.as_deref().and_then(|text| Without::read(text).predicate()).map(constraint),
             numbers: args.numbers.fixed(),
         }
     }
@@ -60,13 +66,10 @@ impl<'a> ReachChanges<'a> {
 pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldId) -> Result<Query, Refusal> {
     let table = &loaded.program.worlds[world];
     // The compiler appends it.
-    let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
-    let targets = match args.explore {
-        // The compiler appends it.
-        true => table.goals.ids().next_back().map(Target::Goal).into_iter().collect(),
-        false => targets(table, (&args.goal, &args.never), without)?,
-    };
-    let min_hold = min_hold(args, table)?;
+    let avoided = args.without.as_deref().map(Without::read);
+    let without = avoided.and_then(Without::predicate).and_then(|_| table.nevers.ids().next_back());
+    let unpressed = avoided.map_or(Ok(Vec::new()), |avoided| avoided.buttons(&loaded.program, table));
+    let (targets, min_hold) = (chosen(table, args, without)?, min_hold(args, table)?);
     let errors = errors(args, table)?;
     let (settings, within) = (settings(args, table, min_hold)?, args.within.map(|time| time.room(table)));
     Ok(Query {
@@ -75,6 +78,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         min_hold,
         within,
         without: without.into_iter().collect(),
+        unpressed: unpressed.map_err(Refusal::of)?,
         asked: asked_only(loaded, world),
         after: read_scripts(loaded, world, (&args.after, "--after"))?,
         minimizes: args.minimize,
@@ -156,7 +160,7 @@ fn errors(args: &ReachArgs, world: &World) -> Result<Option<TimingErrors>, Refus
 /// The search settings.
 fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, Refusal> {
     let mut planner = Planner::named(&args.planner).unwrap_or_default();
-    if args.explore && planner == Planner::Auto {
+    if args.explore && !args.person.has_layers() && planner == Planner::Auto {
         planner = Planner::Coverage;
     }
     let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
@@ -180,14 +184,29 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         },
         trees: usize::from(args.trees),
         threads: usize::from(args.threads),
-        records: args.svg.is_some() || args.page.html.is_some() || args.tree,
+        records: !args.person.has_layers() && args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
-        explains: !args.explore && args.numbers.sweeps().is_empty(),
+        explains: !args.explore && !args.person.has_layers() && args.numbers.sweeps().is_empty(),
         ..Settings::default()
     })
 }
 
+/// The named targets, or all goals; of an exploration, the goal that nothing reaches.
+fn chosen(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<Vec<Target>, Refusal> {
+    // The compiler appends it.
+    let nowhere = world.goals.ids().next_back().map(Target::Goal);
+    let has_layers = args.person.has_layers();
+    if args.explore {
+        return Ok(nowhere.filter(|_| !has_layers).into_iter().collect());
+    }
+    let is_offered =
+        |target: Target| without.map(Target::Never) != Some(target) && !(has_layers && nowhere == Some(target));
+    let chosen = targets(world, (&args.goal, &args.never), &is_offered)?;
+    if chosen.is_empty() && !has_layers { Err(no_goal(world)) } else { Ok(chosen) }
+}
+
 /// The `never`s that the arguments add as questions: they are no rules of the world.
 pub(in crate::cli) fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
-    added_nevers(&loaded.program, &loaded.sources, world, NEVER)
+    let added = |origin| added_nevers(&loaded.program, &loaded.sources, world, origin);
+    [added(NEVER), added(SKILL_WITHOUT)].concat()
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::{Monitor, ReachArguments, named};
-use crate::ask::{Refusal, Refuted, RunResult, read_scripts, targets};
+use crate::ask::{Refusal, Refuted, RunResult, no_goal, read_scripts, targets};
 use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, added_nevers};
 use crate::corpus;
 use crate::ir::{World, WorldId};
@@ -37,11 +37,16 @@ pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn M
     let table = &loaded.program.worlds[world];
     // The compiler appends it.
     let excluded = without.as_ref().and_then(|_| table.nevers.ids().next_back());
-    let chosen = targets(table, (goals, nevers), excluded).map_err(|why| why.sentence(&loaded.sources))?;
+    let is_offered = |target: Target| excluded.map(Target::Never) != Some(target);
+    let chosen = targets(table, (goals, nevers), &is_offered).and_then(|chosen| match chosen.is_empty() {
+        true => Err(no_goal(table)),
+        false => Ok(chosen),
+    });
+    let chosen = chosen.map_err(|why| why.sentence(&loaded.sources))?;
     let asked = added_nevers(&loaded.program, &loaded.sources, world, NEVERS);
     let scripts = read_scripts(&mut loaded, world, (after, "after"));
     let scripts = scripts.map_err(|why| why.sentence(&loaded.sources))?;
-    let settings = Settings { seed: arguments.seed.unwrap_or(1), ..Settings::default() };
+    let settings = Settings { seed: arguments.seed.unwrap_or(1), explains: true, ..Settings::default() };
     let limits = Limits { nodes: arguments.nodes.unwrap_or(Limits::default().nodes), ..Limits::default() };
     let query = Query {
         settings,

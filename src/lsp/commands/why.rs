@@ -5,6 +5,9 @@ use crate::ask::{WhyQuestion, WhyResult, answer_why, read_scripts};
 use crate::compile::Changes;
 use crate::lsp::buffers::Buffers;
 
+/// Maximum number of steps of a run: it is not interrupted.
+const MAX_STEPS: u64 = 1_000_000;
+
 pub(super) fn run(arguments: &WhyArguments, buffers: &Buffers) -> Result<WhyResult, String> {
     let WhyArguments { program, inputs, at, instance, mode, edge, not, chance } = arguments;
     let numbers = program.numbers()?;
@@ -13,6 +16,9 @@ pub(super) fn run(arguments: &WhyArguments, buffers: &Buffers) -> Result<WhyResu
     let texts = std::slice::from_ref(inputs);
     let scripts = read_scripts(&mut loaded, world, (texts, "inputs"));
     let script = scripts.map_err(|why| why.sentence(&loaded.sources))?.into_iter().next().unwrap_or_default();
+    if at.unwrap_or_default().max(script.len()) > MAX_STEPS {
+        return Err(format!("the run has more than {MAX_STEPS} steps"));
+    }
     let (instance, mode, edge) = (instance.clone(), mode.clone(), edge.clone());
     let question = WhyQuestion { instance, mode, edge, not: *not, at: *at };
     let run = (&script, chance.unwrap_or_default());

@@ -2,6 +2,7 @@
 //! a thread of its own, which answers its requests in order.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -108,10 +109,8 @@ impl Plays {
         let PlayParams { session, uri, level, ask } = serde_json::from_value(params)
             .map_err(|error| Failure::new(ErrorCode::InvalidParams, error.to_string()))?;
         if let Ask::Close {} = ask {
-            if let Some(Play { asked, thread }) = self.all.remove(&session) {
-                drop(asked);
-                let _ = thread.join();
-            }
+            // Its thread ends by itself: nobody waits for what it may be doing.
+            self.all.remove(&session);
             let _ = self.told.send(Told::Done(id, Ok(Value::Null)));
             return Ok(());
         }
@@ -140,13 +139,18 @@ impl Plays {
             };
             let mut session = Session::new(Box::new(now), root, level, Box::new(spawn));
             for (id, ask) in requests {
-                let answer = match ask {
+                let answer = catch_unwind(AssertUnwindSafe(|| match ask {
                     Ask::Request(request) => serde_json::to_value(session.answer(request)),
                     Ask::Lit(slot) => serde_json::to_value(session.lit(slot)),
-                    Ask::Close {} => return,
+                    Ask::Close {} => Ok(Value::Null),
+                }));
+                let has_failed = answer.is_err();
+                let failure = |why: String| Failure::new(ErrorCode::InternalError, why);
+                let answer = match answer {
+                    Ok(answer) => answer.map_err(|error| failure(error.to_string())),
+                    Err(_) => Err(failure("internal error in hypedc".to_string())),
                 };
-                let answer = answer.map_err(|error| Failure::new(ErrorCode::InternalError, error.to_string()));
-                if told.send(Told::Done(id, answer)).is_err() {
+                if told.send(Told::Done(id, answer)).is_err() || has_failed {
                     return;
                 }
             }

@@ -162,7 +162,11 @@ fn results_are_those_of_the_command_line() {
         ("sim", vec!["--inputs", run], json!({ "inputs": run })),
         ("test", vec!["--no-ways", "--coverage"], json!({ "coverage": true })),
         ("why", vec!["--inputs", run, "--at", "12"], json!({ "inputs": run, "at": 12 })),
-        ("why", vec!["--inputs", "-*9", "--mode", "far", "--not"], json!({ "inputs": "-*9", "mode": "far", "not": true })),
+        (
+            "why",
+            vec!["--inputs", "-*9", "--mode", "far", "--not"],
+            json!({ "inputs": "-*9", "mode": "far", "not": true }),
+        ),
     ] {
         let mut all = about.as_object().unwrap().clone();
         all.insert("uri".into(), json!(uri));

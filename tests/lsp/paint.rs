@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use hypedc::compile::compile_with;
 use hypedc::compile::LevelFile;
+use hypedc::compile::compile_with;
 use hypedc::lsp::{Settings, Workspace};
 use hypedc::sim::{Simulator, parse_script};
 use hypedc::source::SourceMap;
@@ -55,7 +55,10 @@ fn tiles_are_painted_at_their_places() {
     let painted = client.request("hypedc/paint", about(json!({}))).unwrap();
     let space = &painted["spaces"][0];
     assert_eq!(drawn(space), "........\n====-...\nSSSSS...\n");
-    assert_eq!((&space["space"], &space["uri"], &space["columns"]), (&json!("main"), &json!(uri("a.hyped")), &json!(8)));
+    assert_eq!(
+        (&space["space"], &space["uri"], &space["columns"]),
+        (&json!("main"), &json!(uri("a.hyped")), &json!(8))
+    );
     // Each character is where the tile says that it is.
     let lines: Vec<&str> = text.lines().collect();
     for (row, level) in LEVEL.lines().enumerate() {
@@ -75,7 +78,10 @@ fn tiles_are_painted_at_their_places() {
     assert!(refused.1.contains("choose a level"), "{refused:?}");
     client.request("hypedc/chooseLevel", about(json!({ "level": { "map": "/game/level.txt" } }))).unwrap();
     let open = client.request("hypedc/paint", about(json!({}))).unwrap();
-    assert_eq!((&open["spaces"][0]["uri"], &open["spaces"][0]["rows"][1]["line"]), (&json!(uri("level.txt")), &json!(1)));
+    assert_eq!(
+        (&open["spaces"][0]["uri"], &open["spaces"][0]["rows"][1]["line"]),
+        (&json!(uri("level.txt")), &json!(1))
+    );
     assert_eq!(open["spaces"][0]["first"], space["first"]);
     assert!(client.stop());
 }
@@ -95,7 +101,9 @@ fn the_inputs_to_a_tile_lead_there() {
         if is_painted {
             client.request("hypedc/paint", about(json!({}))).unwrap();
         }
-        for (row, column, is_reached) in [(1, 0, true), (1, 3, true), (1, 4, true), (1, 5, false), (0, 2, false), (1, 7, false)] {
+        for (row, column, is_reached) in
+            [(1, 0, true), (1, 3, true), (1, 4, true), (1, 5, false), (0, 2, false), (1, 7, false)]
+        {
             let place = about(json!({ "space": "main", "column": column, "row": row }));
             let found = client.request("hypedc/wayTo", place).unwrap();
             assert_eq!(found["verdict"] == "reached", is_reached, "{row} {column}: {found}");
@@ -120,7 +128,8 @@ fn the_inputs_to_a_tile_lead_there() {
 #[test]
 fn a_painting_of_an_older_text_is_refused() {
     let settings = Settings { verdict_nodes: u64::MAX, ..Settings::default() };
-    let mut client = Client::start_with(Disk::new(&[]) as Arc<dyn Workspace>, json!({}), json!({ "verdicts": false }), settings);
+    let mut client =
+        Client::start_with(Disk::new(&[]) as Arc<dyn Workspace>, json!({}), json!({ "verdicts": false }), settings);
     let text = inline();
     client.open(&uri("a.hyped"), &text);
     client.settle();

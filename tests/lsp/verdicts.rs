@@ -238,7 +238,8 @@ fn verdicts_can_be_turned_off() {
 /// A world whose goal needs a search that does not end soon.
 fn endless() -> String {
     let locks: String = (0..12).map(|n| format!("    discrete n{n}: int 0..99 = 0\n")).collect();
-    let turns: String = (0..12).map(|n| format!("        when pressed(b{n}) {{ n{n} := mod(n{n} + 7, 100) }}\n")).collect();
+    let turns: String =
+        (0..12).map(|n| format!("        when pressed(b{n}) {{ n{n} := mod(n{n} + 7, 100) }}\n")).collect();
     let buttons: Vec<String> = (0..12).map(|n| format!("b{n}")).collect();
     let goal: Vec<String> = (0..12).map(|n| format!("lock.n{n} == {}", 50 + n)).collect();
     format!(

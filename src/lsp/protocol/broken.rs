@@ -34,8 +34,9 @@ fn finding(program: &ShownProgram, shown: &ShownVerdict, encoding: Encoding) -> 
     let (code, severity, message) = match (question.kind, verdict.conclusion) {
         (Kind::Never, _) => {
             let seconds = verdict.way.as_ref()?.seconds;
-            let message =
-                format!("this edit broke `never {name}`: it was proven before, and inputs break it in {seconds:.2} s now");
+            let message = format!(
+                "this edit broke `never {name}`: it was proven before, and inputs break it in {seconds:.2} s now"
+            );
             ("broken-never", DiagnosticSeverity::Warning, message)
         }
         (Kind::Goal, Conclusion::ProvenUnreachable) => {
@@ -52,10 +53,8 @@ fn finding(program: &ShownProgram, shown: &ShownVerdict, encoding: Encoding) -> 
                 Conclusion::Error => verdict.reasons.first().cloned().unwrap_or_default(),
                 _ => format!("{} nodes of a search found no others, which proves nothing", verdict.nodes),
             };
-            let message = format!(
-                "the inputs that reached `goal {name}` in {:.2} s no longer do; {open}",
-                broken.seconds
-            );
+            let message =
+                format!("the inputs that reached `goal {name}` in {:.2} s no longer do; {open}", broken.seconds);
             ("lost-way", DiagnosticSeverity::Information, message)
         }
     };

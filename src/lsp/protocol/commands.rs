@@ -12,11 +12,11 @@ use super::extensions::LevelParams;
 use super::tasks::Work;
 use super::uri::{path_of, uri_of};
 use crate::lsp::buffers::Buffers;
-use crate::lsp::verdicts::level::ChosenLevel;
-use crate::lsp::verdicts::shown::Shown;
 use crate::lsp::commands::{
     Command, Program, ReachArguments, RecordArguments, Recording, SimArguments, TestArguments, WhyArguments, record,
 };
+use crate::lsp::verdicts::level::ChosenLevel;
+use crate::lsp::verdicts::shown::Shown;
 
 /// The commands that the server offers.
 pub(super) const COMMANDS: &[&str] = &["hypedc.reach", "hypedc.sim", "hypedc.test", "hypedc.why"];
@@ -85,7 +85,9 @@ fn command_of(name: &str, arguments: Vec<Value>, chosen: &Shown) -> Result<Comma
                 _ => "tests",
             };
             let names = ["uri", "world", third, "level"];
-            let list = |(at, value): (usize, Value)| if at == 2 && value.is_string() && third != "level" { json!([value]) } else { value };
+            let list = |(at, value): (usize, Value)| {
+                if at == 2 && value.is_string() && third != "level" { json!([value]) } else { value }
+            };
             let named = arguments.into_iter().enumerate().map(list);
             let given = names.into_iter().zip(named).filter(|(_, value)| !value.is_null());
             Value::Object(given.map(|(name, value)| (name.to_string(), value)).collect())

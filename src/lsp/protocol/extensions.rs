@@ -82,11 +82,7 @@ pub(super) fn level_path(text: &str) -> PathBuf {
 /// A level as clients get it: the options of the command line, with paths.
 pub(super) fn level_json(level: &ChosenLevel) -> Value {
     let path = |path: &Path| path.to_string_lossy().into_owned();
-    json!(LevelParams {
-        map: path(&level.map),
-        legend: level.legend.as_deref().map(path),
-        tile: level.tile,
-    })
+    json!(LevelParams { map: path(&level.map), legend: level.legend.as_deref().map(path), tile: level.tile })
 }
 
 /// The response to `hypedc/levels`.

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use gen_lsp_types as types;
 
 use super::context::{Context, Failure};
-use super::lenses::lenses;
 use super::from_protocol::{file_bytes, mode_name, offset, position};
+use super::lenses::lenses;
 use super::to_protocol::{self, ToProtocol};
 use super::uri::path_of;
 use crate::lsp::documents::Document;

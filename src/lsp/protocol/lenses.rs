@@ -28,7 +28,11 @@ pub(super) fn lenses(context: &Context, path: &std::path::Path, document: &Docum
             LensCommand::Simulate { world, is_open: true } => {
                 let level = context.verdicts.level(path, &world);
                 let name = level.map(|level| level.name(path));
-                add("▶ simulate".into(), "hypedc.sim", vec![json!(uri), json!(world), level_argument(context, path, &world)]);
+                add(
+                    "▶ simulate".into(),
+                    "hypedc.sim",
+                    vec![json!(uri), json!(world), level_argument(context, path, &world)],
+                );
                 let title = name.map_or("choose a level".into(), |name| format!("level: {name}"));
                 add(title, "hypedc.level", vec![json!(uri), json!(world)]);
             }

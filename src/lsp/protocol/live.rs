@@ -93,12 +93,7 @@ impl Live {
 
     /// Takes a request that the background thread answers. Returns a response if it is answered at once; `Err` gives back
     /// a request that is for others.
-    pub fn take(
-        &mut self,
-        context: &Context,
-        revision: u64,
-        request: Request,
-    ) -> Result<Option<Response>, Request> {
+    pub fn take(&mut self, context: &Context, revision: u64, request: Request) -> Result<Option<Response>, Request> {
         if !ERRANDS.contains(&request.method.as_str()) {
             return Err(request);
         }
@@ -150,7 +145,8 @@ impl Live {
                 if of == revision {
                     self.asked = Some(of);
                     let Context { view, verdicts, .. } = context;
-                    effects.shown = verdicts.finished(|root| view.programs.get(root).is_some_and(|of| of.current.is_error_free()));
+                    effects.shown =
+                        verdicts.finished(|root| view.programs.get(root).is_some_and(|of| of.current.is_error_free()));
                 }
             }
             Report::Brought(id, brought) => {

@@ -226,9 +226,8 @@ impl Server {
         let View { documents, programs, .. } = &self.context.view;
         let open = programs.values().filter(|state| documents.get(&state.current.root).is_some());
         let verdicts = &self.context.verdicts;
-        let files = open.flat_map(|state| {
-            state.current.dependencies.iter().chain(verdicts.dependencies(&state.current.root))
-        });
+        let files =
+            open.flat_map(|state| state.current.dependencies.iter().chain(verdicts.dependencies(&state.current.root)));
         let unseen: Vec<PathBuf> = files.filter(|path| documents.get(path).is_none()).cloned().collect();
         unseen.into_iter().for_each(|path| self.mark_changed(path));
     }

@@ -200,7 +200,8 @@ fn broken(
             let sim = Simulator::new(subject.program, subject.world);
             let problem = query.problem(&sim, target, watch).ok().flatten()?;
             let lost = astray(&problem, subject.sources, &script, &Meter::new(watch))?;
-            let step = lost.nearest.as_ref().filter(|_| lost.step == script.len()).map_or(lost.step, |near| near.at.step);
+            let step =
+                lost.nearest.as_ref().filter(|_| lost.step == script.len()).map_or(lost.step, |near| near.at.step);
             Some((step, lost.words(&problem)))
         }
     };

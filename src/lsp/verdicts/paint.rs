@@ -83,7 +83,8 @@ impl Painted {
     /// The way to a tile that was seen; its inputs were simulated.
     pub fn way_to(&self, place: &TilePlace) -> Option<Verdict> {
         let space = self.spaces.iter().find(|space| space.name == place.space)?;
-        let tile = space.tiles.get(place.row * space.columns + place.column).filter(|_| place.column < space.columns)?;
+        let tile =
+            space.tiles.get(place.row * space.columns + place.column).filter(|_| place.column < space.columns)?;
         let (steps, inputs) = tile.first.clone()?;
         let seconds = steps as f64 * self.seconds_per_step;
         Some(Verdict::of_way(Kind::Goal, Way { inputs, steps, seconds, luck: None }))

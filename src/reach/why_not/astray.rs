@@ -34,12 +34,7 @@ pub enum AstrayEnd {
 
 /// Follows inputs on their way past the target; `None` if they lead there, or if the meter stops it.
 #[must_use]
-pub fn astray(
-    problem: &Problem<'_>,
-    sources: &SourceMap,
-    script: &Script,
-    meter: &Meter<'_>,
-) -> Option<Astray> {
+pub fn astray(problem: &Problem<'_>, sources: &SourceMap, script: &Script, meter: &Meter<'_>) -> Option<Astray> {
     let (sim, parts) = (problem.sim, Parts::new(problem));
     let cost = |state: &[u8]| -> f64 { parts.terms.iter().map(|term| term.cost(sim, state, f64::INFINITY)).sum() };
     let mut scratch = sim.scratch();

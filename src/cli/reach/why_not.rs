@@ -148,7 +148,11 @@ fn hints(answer: &Answer, query: &Query) -> Vec<String> {
             format!("more `--nodes`: {} of {} places were new in the second half", c.new_places, c.places)
         } else {
             let new = if c.new_places == 0 { "none".to_string() } else { format!("only {}", c.new_places) };
-            format!("the level, not more `--nodes`: {new} of {} places were new in the second half", c.places)
+            format!(
+                "another `--seed`, then the level: more `--nodes` may help little, {new} of {} places were new in the \
+                 second half",
+                c.places
+            )
         });
     }
     if !query.settings.records {

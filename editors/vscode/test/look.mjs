@@ -6,11 +6,12 @@
 // `.ci/code` runs it. Needs Node.js 20, a C++ compiler, Chromium ($CHROMIUM), and `npm ci` in studio/.
 
 import { join } from 'node:path';
+import { live } from './live.mjs';
 import { play } from './play.mjs';
 import { start } from './workbench.mjs';
 
 const here = join(import.meta.dirname, '..');
-const files = { '0new.hyped': '', ...play.files };
+const files = { '0new.hyped': '', ...live.files, ...play.files };
 const bench = await start(join(here, '../../examples'), files, process.argv[2] ?? join(here, 'dist/look'));
 const { page, keyboard, see, gone, look, command, open, go, type, begin, run } = bench;
 
@@ -97,5 +98,6 @@ async function tour() {
 await run(async () => {
   if (!process.env.ONLY) await tour();
   else await begin();
-  await play.tour(bench);
+  const parts = { live, play };
+  for (const part of process.env.ONLY ? process.env.ONLY.split(',') : ['live', 'play']) await parts[part]?.tour(bench);
 });

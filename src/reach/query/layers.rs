@@ -10,7 +10,7 @@ use crate::source::SourceMap;
 use crate::watch::Watch;
 
 use super::super::conclusion::Conclusion;
-use super::super::explore::{Explored, Explorer, Observer};
+use super::super::explore::{Explored, Explorer, Observer, Reached};
 use super::super::outcome::Outcome;
 use super::super::problem::Target;
 use super::answer::Answer;
@@ -86,8 +86,8 @@ impl Footprints {
 }
 
 impl Observer for Footprints {
-    fn see(&self, sim: &Simulator, state: &[u8], scratch: &Scratch) {
-        self.explorer.see(sim, state, scratch);
+    fn see(&self, sim: &Simulator, state: &[u8], scratch: &Scratch, reached: &Reached<'_>) {
+        self.explorer.see(sim, state, scratch, reached);
         let mut cells = self.cells.lock().unwrap_or_else(PoisonError::into_inner);
         for player in sim.world().players.iter() {
             let instance = sim.instance(state, player.slot);

@@ -1,0 +1,105 @@
+// What the text shows of itself: a verdict above a goal, which an edit turns, with what it breaks; and a map that is painted.
+
+const CAVE = `/// Walks, and jumps.
+entity Walker {
+    param speed = 90
+    button jump
+    axis horizontal
+
+    collider body: rect(0, 0, 12, 14)
+
+    mode falling {
+        x' = speed * horizontal
+        y'' = -900
+        when touching(body, ground, below) -> standing
+    }
+    mode standing {
+        x' = speed * horizontal
+        y' = 0
+        when pressed(jump) -> falling { y' := 330 }
+        when not touching(body, ground, below) -> falling
+    }
+}
+
+world Cave {
+    step 1/60
+
+    collide body with ground: block
+
+    tiles land 16 x 16 {
+        '.': empty
+        '#': ground
+    }
+
+    space main {
+        bounds rect(0, 0, 480, 160)
+        map land "
+            ..............................
+            ..............................
+            ..............................
+            ..............####............
+            ..........................####
+            ........####..........####....
+            .....................##.......
+            ....##.......####...###......#
+            ..............................
+            #########..########.##########
+        "
+        place hero: Walker at (16, 16)
+    }
+    player 1: hero
+
+    goal ledge: hero.x > 420 and hero.y > 90
+    never fell: hero.y < 2
+}
+`;
+
+async function tour({ page, keyboard, see, look, command, open, go, type }) {
+  await command('View: Close All Editors');
+  await open('0cave.hyped');
+  const lens = (text) => page.locator('.codelens-decoration a', { hasText: text }).first();
+
+  // A verdict, an edit that turns it, what it breaks, and the way back.
+  await go(49, 1);
+  await lens(/^✓ [\d.]+ s · play$/).waitFor();
+  await lens(/^✗ broken in/).waitFor();
+  await look('verdicts');
+  await page.locator('.view-line', { hasText: 'goal ledge' }).first().click();
+  await go(17, 47);
+  for (const _ of '330') await keyboard.press('Delete');
+  await type('90');
+  await go(49, 1);
+  await lens(/^✗ proven/).waitFor();
+  await see('.squiggly-warning');
+  await command('Problems: Focus on Problems View');
+  await see('.markers-panel', 'this edit broke');
+  await look('verdict-broken');
+  await command('View: Toggle Panel Visibility');
+  await page.locator('.view-line', { hasText: 'goal ledge' }).first().click();
+  await keyboard.press('Control+z');
+  await keyboard.press('Control+z');
+  await lens(/^✓ [\d.]+ s · play$/).waitFor();
+
+  // The map is shaded, in dark and light themes; a tile tells of itself.
+  await command('Hyped: Paint the Maps of a World');
+  await go(38, 1);
+  await see('.view-overlays [class*="ced-"]');
+  await look('painted');
+  await go(40, 25);
+  await command('Show or Focus Hover');
+  await see('.monaco-hover', 'first reached at step');
+  await look('painted-tile');
+  await keyboard.press('Escape');
+  await command('Preferences: Toggle between Light/Dark Themes');
+  await look('painted-other-theme');
+  await command('Preferences: Toggle between Light/Dark Themes');
+  await command('Hyped: Paint the Maps of a World');
+
+  // The way that was found.
+  await lens('play').click();
+  const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
+  await shown.getByText('goal ledge: reached').waitFor();
+  await look('verdict-played');
+}
+
+export const live = { files: { '0cave.hyped': CAVE }, tour };

@@ -3,7 +3,8 @@
 //
 // npm run package && HYPEDC=PATH npm run look [FOLDER [PART]…]    the pictures go to FOLDER, by default to dist/look
 //
-// The parts are `basics`, `live` and `play`; without any, all of them. `.ci/code` runs them. Needs Node.js 20, a C++ compiler, Chromium ($CHROMIUM), and `npm ci` in studio/.
+// The parts are `basics`, `live` and `play`; without any, all of them. `.ci/code` runs them. Needs Node.js 20, a C++ compiler,
+// Chromium ($CHROMIUM), and `npm ci` in studio/.
 
 import { join } from 'node:path';
 import { live } from './live.mjs';

@@ -160,5 +160,11 @@ fn an_edit_of_the_chosen_level_is_asked_about() {
     client.asked();
     let after = title(&mut client);
     assert!(after.starts_with("✗ proven: "), "{after}");
+    let broken = |client: &Client| client.shown[&uri("a.hyped")].to_string().contains("broken-goal");
+    assert!(broken(&client));
+    // While the level is another one, nothing is claimed.
+    client.change(&uri("level.txt"), json!([{ "text": "......\n######\n" }]));
+    title(&mut client);
+    assert!(!broken(&client));
     assert!(client.stop());
 }

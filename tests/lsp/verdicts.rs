@@ -1,11 +1,15 @@
 //! Live verdicts: what stands above goals and `never`s, when it is out of date, and what an edit has broken.
 
+use std::path::Path;
 use std::sync::Arc;
 
+use hypedc::compile::compile;
 use hypedc::lsp::{Settings, Workspace};
+use hypedc::sim::{Simulator, parse_script};
+use hypedc::source::SourceMap;
 use serde_json::{Value, json};
 
-use super::client::Client;
+use super::client::{Client, Memory};
 use super::levels::Disk;
 use super::session::{position, uri};
 
@@ -268,4 +272,77 @@ fn a_search_is_given_up_at_the_next_key() {
     let params = json!({ "textDocument": { "uri": uri("a.hyped") }, "world": "W" });
     client.request("hypedc/levels", params).unwrap();
     assert!(client.stop(), "the end of the server does not wait for it, either");
+}
+
+/// Whether inputs lead to a goal, or break a `never`, at their last step.
+fn leads_there(text: &str, (kind, name): (&str, &str), inputs: &str) -> bool {
+    let disk = Memory([("/game/a.hyped".into(), text.to_string())].into());
+    let program = compile(Path::new("/game/a.hyped"), &disk).program.unwrap();
+    let world = program.world_named("W").unwrap();
+    let mut sources = SourceMap::new();
+    let file = sources.add("way", inputs);
+    let (script, errors) = parse_script(&program, world, file, inputs);
+    let sim = Simulator::new(&program, world);
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for input in script.inputs() {
+        // A run is over when a `never` holds or a player is out of bounds.
+        if errors.has_errors() || sim.violated(&state).unwrap().is_some() || sim.left_bounds(&state).is_some() {
+            return false;
+        }
+        sim.step(&mut state, input, &mut scratch).unwrap();
+    }
+    let table = &program.worlds[world];
+    match kind {
+        "goal" => sim.violated(&state).unwrap().is_none() && sim.goal(&state, table.goal_named(name).unwrap()).unwrap(),
+        _ => sim.holds(&state, table.nevers[table.never_named(name).unwrap()].holds).unwrap(),
+    }
+}
+
+/// What is claimed is so, whatever was edited before: ways lead there on the newest text, and what is proven is not refuted by
+/// any way that was known.
+#[test]
+fn what_is_claimed_of_a_text_is_so() {
+    let disk = Disk::new(&[]);
+    let mut client = start(&disk, 300, Value::Null);
+    let mut text = GAME.to_string();
+    client.open(&uri("a.hyped"), &text);
+    let mut known: Vec<String> = Vec::new();
+    let mut claims = 0;
+    for (from, to) in [
+        ("speed = 60", "speed = 90"),
+        ("hero.x > 30", "hero.x > 55"),
+        ("> 60", "> 70"),
+        ("speed = 90", "speed = 0"),
+        ("speed = 0", "speed = -90"),
+        ("hero.x < 0", "hero.x < 8"),
+        ("button right", "button rightwards"),
+        ("held(right) -> going", "held(rightwards) -> going"),
+        ("not held(right)", "not held(rightwards)"),
+        ("speed = -90", "speed = 120"),
+        ("hero.x > 400", "hero.x > 56"),
+        ("when not held", "when held"),
+        ("at (0, 0)", "at (40, 0)"),
+    ] {
+        replace(&mut client, &mut text, from, to);
+        client.asked();
+        for verdict in client.verdicts.last().unwrap()["verdicts"].as_array().unwrap().clone() {
+            if verdict["isCurrent"] == false {
+                continue;
+            }
+            let question = (verdict["kind"].as_str().unwrap(), verdict["name"].as_str().unwrap());
+            if let Some(inputs) = verdict["inputs"].as_str() {
+                assert!(leads_there(&text, question, inputs), "{text}\n{verdict}");
+                known.push(inputs.to_string());
+                claims += 1;
+            }
+            if verdict["verdict"] == "proven-unreachable" {
+                let refuted = known.iter().find(|inputs| leads_there(&text, question, inputs));
+                assert_eq!(refuted, None, "{text}\n{verdict}");
+                claims += 1;
+            }
+        }
+    }
+    assert!(claims > 20, "{claims}");
+    assert!(client.stop());
 }

@@ -204,7 +204,7 @@ impl Server {
         self.revision += 1;
         self.live.changed(self.revision);
         let outdated = self.context.verdicts.changed(&self.changed);
-        outdated.iter().for_each(|root| self.show_verdicts(root));
+        self.outdate(&outdated);
         self.plays.update(self.context.view.documents.all());
         let job = Job {
             revision: self.revision,
@@ -495,11 +495,19 @@ impl Server {
 
     /// Forgets the verdicts of programs that are no longer shown.
     fn forget_verdicts(&mut self, is_kept: impl Fn(&Path) -> bool) {
-        for root in self.context.verdicts.retain(is_kept) {
-            self.published.asked(&root, BTreeMap::new());
-            self.show_verdicts(&root);
+        let gone = self.context.verdicts.retain(is_kept);
+        self.outdate(&gone);
+    }
+
+    /// The verdicts on some programs are out of date: what they find is withdrawn.
+    fn outdate(&mut self, roots: &[PathBuf]) {
+        for root in roots {
+            self.published.asked(root, BTreeMap::new());
+            self.show_verdicts(root);
         }
-        self.publish();
+        if !roots.is_empty() {
+            self.publish();
+        }
     }
 
     /// Takes a report of the background thread.

@@ -44,14 +44,20 @@ pub(in crate::lsp) struct Known {
 }
 
 impl Memory {
-    /// What is remembered of a program; nothing if it cannot be read.
+    /// What is remembered of a program; nothing if it cannot be read. A text without a file has no past.
     pub fn recall(root: &Path, disk: &dyn Workspace) -> Memory {
+        if is_unnamed(root) {
+            return Memory::default();
+        }
         let read = disk.recall(&key(root)).and_then(|text| json::read::<Memory>(&text).ok());
         read.filter(|memory| memory.version == VERSION).unwrap_or_default()
     }
 
     /// Remembers it.
     pub fn remember(&self, root: &Path, disk: &dyn Workspace) {
+        if is_unnamed(root) {
+            return;
+        }
         let memory = Memory { version: VERSION, ..self.clone() };
         if let Ok(text) = json::text(&memory, Layout::Compact) {
             disk.remember(&key(root), &text);
@@ -108,6 +114,11 @@ impl Memory {
         let surplus = self.questions.len().saturating_sub(MAX_QUESTIONS);
         self.questions.drain(..surplus);
     }
+}
+
+/// Whether a document has no file yet: another one may get its name.
+fn is_unnamed(root: &Path) -> bool {
+    root.to_str().is_some_and(|path| path.starts_with("untitled:"))
 }
 
 /// The key of a program.

@@ -25,7 +25,7 @@ use crate::ir::Program;
 use crate::source::SourceMap;
 
 pub use hash::{program_sha256, sha256};
-pub use reach::{GoalResult, RunResult, no_goal, read_scripts, targets, unknown};
+pub use reach::{GoalResult, RunResult, WITHOUT, no_goal, read_scripts, targets, unknown};
 pub use refusal::Refusal;
 pub use refuted::{BeyondResult, Refuted};
 pub use run::{Observed, OnState, RunEnd, SimResult, drive};

@@ -19,6 +19,8 @@ use super::hash::program_sha256;
 use super::refusal::Refusal;
 use super::refuted::Refuted;
 
+/// The name of the `never` that is added for what paths must not do: not a valid name in a program.
+pub const WITHOUT: &str = "--without";
 /// The version of the JSON result.
 const RESULT_VERSION: u32 = 6;
 

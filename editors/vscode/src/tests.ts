@@ -3,7 +3,7 @@
 
 import { basename } from 'node:path';
 import * as vscode from 'vscode';
-import { type Atom, type HypedServer, type Levels, locationOf, type Named, type Place, rangeOf, type World } from './server';
+import { type Atom, type HypedServer, type Levels, locationOf, type Named, type Place, rangeOf, type Runnable, type World } from './server';
 
 /** Time after the last key before the list is read again, ms. */
 const REST = 400;
@@ -71,6 +71,10 @@ export class Tests {
   private readonly controller = vscode.tests.createTestController('hypedc', 'Hyped');
   private readonly about = new WeakMap<vscode.TestItem, About>();
   private timer: NodeJS.Timeout | undefined;
+  /** The documents whose lists are to be read again. */
+  private readonly changed = new Map<string, vscode.Uri>();
+  /** Whether all lists are. */
+  private isStale = true;
 
   constructor(
     private readonly server: HypedServer,
@@ -85,34 +89,53 @@ export class Tests {
 
   /** What is to be disposed of. */
   get disposables(): vscode.Disposable[] {
-    const isProgram = ({ languageId }: vscode.TextDocument) => languageId === 'hyped';
+    const of = (document: vscode.TextDocument) => document.languageId === 'hyped' && this.listSoon(document.uri);
+    const files = vscode.workspace.createFileSystemWatcher('**/*.hyped');
     return [
       this.controller,
-      vscode.workspace.onDidChangeTextDocument(({ document }) => isProgram(document) && this.listSoon()),
-      vscode.workspace.onDidOpenTextDocument((document) => isProgram(document) && this.listSoon()),
-      vscode.workspace.onDidCloseTextDocument((document) => isProgram(document) && this.listSoon()),
-      vscode.workspace.onDidSaveTextDocument((document) => isProgram(document) && this.listSoon()),
+      files,
+      files.onDidCreate((uri) => this.listSoon(uri)),
+      files.onDidChange((uri) => this.listSoon(uri)),
+      files.onDidDelete((uri) => this.controller.items.delete(uri.toString())),
+      vscode.workspace.onDidChangeTextDocument(({ document }) => of(document)),
+      vscode.workspace.onDidOpenTextDocument(of),
     ];
   }
 
-  /** Reads the list once nobody types. */
-  listSoon(): void {
+  /** Reads the list of a document, or of all, once nobody types. */
+  listSoon(uri?: vscode.Uri): void {
+    if (uri) this.changed.set(uri.toString(), uri);
+    else this.isStale = true;
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => void this.list().catch(() => undefined), REST);
+    this.timer = setTimeout(() => void this.update().catch(() => undefined), REST);
   }
 
-  /** Reads the list. */
+  private async update(): Promise<void> {
+    const changed = [...this.changed.values()];
+    this.changed.clear();
+    if (this.isStale) return this.list();
+    for (const uri of changed) {
+      const [found] = await this.server.runnable(uri);
+      if (found && found.worlds.length > 0) this.controller.items.add(this.file(found));
+      else this.controller.items.delete(uri.toString());
+    }
+  }
+
+  /** Reads the whole list. */
   async list(): Promise<void> {
     if (!this.server.isRunning) return;
     const found = await this.server.runnable();
-    this.controller.items.replace(
-      found.map(({ uri, worlds }) => {
-        const at = vscode.Uri.parse(uri);
-        const file = this.controller.createTestItem(uri, basename(at.path), at);
-        file.children.replace(worlds.map((world) => this.world(at, uri, world)));
-        return file;
-      }),
-    );
+    this.isStale = false;
+    this.controller.items.replace(found.map((document) => this.file(document)));
+  }
+
+  private file({ uri, worlds }: Runnable): vscode.TestItem {
+    const at = vscode.Uri.parse(uri);
+    // The editor writes URIs in its own way.
+    const id = at.toString();
+    const file = this.controller.createTestItem(id, basename(at.path), at);
+    file.children.replace(worlds.map((world) => this.world(at, id, world)));
+    return file;
   }
 
   private world(uri: vscode.Uri, id: string, world: World): vscode.TestItem {

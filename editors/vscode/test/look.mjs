@@ -1,9 +1,10 @@
 // A tour through the packaged extension in a real VS Code, with pictures to look at. Each step waits for what it expects, and
 // fails if that does not appear.
 //
-// npm run package && HYPEDC=PATH npm run look [FOLDER]    the pictures go to FOLDER, by default to dist/look
+// npm run package && HYPEDC=PATH npm run look [FOLDER [PART]…]    the pictures go to FOLDER, by default to dist/look
 //
-// `.ci/code` runs it. Needs Node.js 20, a C++ compiler, Chromium ($CHROMIUM), and `npm ci` in studio/.
+// The parts are `basics`, `live` and `play`; without any, all of them. `.ci/code` runs them. Needs Node.js 20, a C++ compiler,
+// Chromium ($CHROMIUM), and `npm ci` in studio/.
 
 import { join } from 'node:path';
 import { live } from './live.mjs';
@@ -16,7 +17,6 @@ const bench = await start(join(here, '../../examples'), files, process.argv[2] ?
 const { page, keyboard, see, gone, look, command, open, go, type, begin, run } = bench;
 
 async function tour() {
-  await begin();
   await see('.explorer-folders-view', 'link.hyped');
 
   await open('link.hyped');
@@ -95,9 +95,9 @@ async function tour() {
   await look('format');
 }
 
+const parts = { basics: { tour }, live, play };
+const chosen = process.argv.length > 3 ? process.argv.slice(3) : Object.keys(parts);
 await run(async () => {
-  if (!process.env.ONLY) await tour();
-  else await begin();
-  const parts = { live, play };
-  for (const part of process.env.ONLY ? process.env.ONLY.split(',') : ['live', 'play']) await parts[part]?.tour(bench);
+  await begin();
+  for (const part of chosen) await parts[part].tour(bench);
 });

@@ -121,7 +121,8 @@ class Document {
     return this.text.version;
   }
   lineAt(line) {
-    return { range: new Range(line, 0, line, this.getText().split('\n')[line].length) };
+    const text = this.getText().split('\n')[line];
+    return { text, range: new Range(line, 0, line, text.length) };
   }
   positionAt(offset) {
     const { line, character } = this.text.positionAt(offset);
@@ -215,6 +216,9 @@ class TestItems extends Map {
   replace(items) {
     this.clear();
     for (const item of items) this.set(item.id, item);
+  }
+  add(item) {
+    this.set(item.id, item);
   }
   forEach(each) {
     for (const item of this.values()) each(item);

@@ -9,14 +9,14 @@ use crate::ir::{NeverId, World, WorldId};
 use crate::reach::query::{Query, QueryError, TimingErrors};
 use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
 
+pub(in crate::cli) use crate::ask::WITHOUT;
+
 use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
 use crate::cli::without::Without;
 
-/// The name of the `never` that `--without` adds: not a valid name in a program.
-pub(in crate::cli) const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
 /// The source of predicates of `--skill-without`.

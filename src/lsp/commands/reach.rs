@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::{Monitor, ReachArguments, named};
-use crate::ask::{Refusal, Refuted, RunResult, no_goal, read_scripts, targets};
+use crate::ask::{Refusal, Refuted, RunResult, WITHOUT, no_goal, read_scripts, targets};
 use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, added_nevers};
 use crate::corpus;
 use crate::ir::{World, WorldId};
@@ -15,7 +15,6 @@ use crate::watch::Watch;
 /// The sources of what is asked beside the program.
 const GOALS: &str = "goals";
 const NEVERS: &str = "nevers";
-const WITHOUT: &str = "without";
 
 pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn Monitor) -> Result<RunResult, String> {
     let ReachArguments { program, goals, nevers, without, after, .. } = arguments;

@@ -1,5 +1,5 @@
-//! How a search came to each tile of a world's maps: the fewest steps that it needed, the inputs, how often it was there. It
-//! is a record of what was seen: other inputs may lead there sooner, and to other tiles.
+//! How a search came to each tile of a world's maps: the fewest steps that it needed, the inputs, how often it was
+//! there. It is a record of what was seen: other inputs may lead there sooner, and to other tiles.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -299,8 +299,8 @@ fn leads_there(text: &str, (kind, name): (&str, &str), inputs: &str) -> bool {
     }
 }
 
-/// What is claimed is so, whatever was edited before: ways lead there on the newest text, and what is proven is not refuted by
-/// any way that was known.
+/// What is claimed is so, whatever was edited before: ways lead there on the newest text, and what is proven is not
+/// refuted by any way that was known.
 #[test]
 fn what_is_claimed_of_a_text_is_so() {
     let disk = Disk::new(&[]);

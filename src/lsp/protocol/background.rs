@@ -1,5 +1,5 @@
-//! The thread of all work that is below everything else: live verdicts, and errands that take long. It does one thing at a
-//! time. A newer state of the documents stops what is about an older one; an errand comes before verdicts.
+//! The thread of all work that is below everything else: live verdicts, and errands that take long. It does one thing
+//! at a time. A newer state of the documents stops what is about an older one; an errand comes before verdicts.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,7 +28,8 @@ use super::worker::message;
 
 /// Work for the thread.
 pub(super) enum Task {
-    /// Asks the questions of the open programs without errors, as of a revision; or only recalls what is remembered of them.
+    /// Asks the questions of the open programs without errors, as of a revision; or only recalls what is remembered of
+    /// them.
     Ask { job: Job, only_recalls: bool },
     /// Answers a request.
     Errand(Box<Errand>),

@@ -1,5 +1,5 @@
-//! Findings of the verdicts: an edit has broken what was so before. A warning only if that is a fact: proven, or shown by
-//! inputs that were replayed.
+//! Findings of the verdicts: an edit has broken what was so before. A warning only if that is a fact: proven, or shown
+//! by inputs that were replayed.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Live verdicts and errands, on the server's side: what is given to the background thread, what of its reports is still
-//! true, and what the editor is told. Only cheap work: the server's thread answers requests.
+//! Live verdicts and errands, on the server's side: what is given to the background thread, what of its reports is
+//! still true, and what the editor is told. Only cheap work: the server's thread answers requests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -91,8 +91,8 @@ impl Live {
         let _ = self.tasks.send(Task::Ask { job: Job { revision, programs, open }, only_recalls: !self.is_on });
     }
 
-    /// Takes a request that the background thread answers. Returns a response if it is answered at once; `Err` gives back
-    /// a request that is for others.
+    /// Takes a request that the background thread answers. Returns a response if it is answered at once; `Err` gives
+    /// back a request that is for others.
     pub fn take(&mut self, context: &Context, revision: u64, request: Request) -> Result<Option<Response>, Request> {
         if !ERRANDS.contains(&request.method.as_str()) {
             return Err(request);

@@ -1,5 +1,5 @@
-//! Asks the questions of a world again: known inputs are replayed first, then the analysis may prove, then a search looks
-//! within a budget of nodes. A question whose work is stopped has no verdict.
+//! Asks the questions of a world again: known inputs are replayed first, then the analysis may prove, then a search
+//! looks within a budget of nodes. A question whose work is stopped has no verdict.
 
 use std::sync::Arc;
 
@@ -77,8 +77,8 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Asks all questions of a world, and passes on verdicts as soon as they are known. `None` if the watch stops it: then some
-/// have none.
+/// Asks all questions of a world, and passes on verdicts as soon as they are known. `None` if the watch stops it: then
+/// some have none.
 pub(in crate::lsp) fn ask_world(
     subject: Subject<'_>,
     memory: &Memory,

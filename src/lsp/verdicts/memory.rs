@@ -1,5 +1,6 @@
 //! What is remembered of a program: the levels that were chosen, the ways that were found, and the last verdicts. It
-//! outlives the server in a cache outside of the project. It is never evidence: ways are replayed, proofs are made again.
+//! outlives the server in a cache outside of the project. It is never evidence: ways are replayed, proofs are made
+//! again.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Live verdicts: the goals and `never`s of the open programs are asked again whenever their texts are whole and at rest.
-//! Nothing is claimed about a text that was not asked about.
+//! Live verdicts: the goals and `never`s of the open programs are asked again whenever their texts are whole and at
+//! rest. Nothing is claimed about a text that was not asked about.
 //!
 //! | file | holds |
 //! |---|---|

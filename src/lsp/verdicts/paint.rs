@@ -1,5 +1,5 @@
-//! Painted maps: what a search and the known ways saw of each tile of a world, beside the characters of its map; and the
-//! question whether a player can get to a tile.
+//! Painted maps: what a search and the known ways saw of each tile of a world, beside the characters of its map; and
+//! the question whether a player can get to a tile.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -106,8 +106,8 @@ impl Canvas<'_> {
         }
     }
 
-    /// Searches without a goal, and paints the maps with what was seen, and with some known ways. `Ok(None)` if the watch
-    /// stops it.
+    /// Searches without a goal, and paints the maps with what was seen, and with some known ways. `Ok(None)` if the
+    /// watch stops it.
     pub fn paint(&self, ways: &[String], budget: Budget, watch: &dyn Watch) -> Result<Option<Painted>, String> {
         let (compilation, id) = self.compile("false")?;
         let Some(program) = &compilation.program else { return Err("the program has errors".to_string()) };
@@ -203,8 +203,8 @@ impl Canvas<'_> {
     }
 }
 
-/// The predicate that the body of a player is in a tile: the box around all of its colliders that something stops, or its
-/// position if there are none.
+/// The predicate that the body of a player is in a tile: the box around all of its colliders that something stops, or
+/// its position if there are none.
 fn in_tile(
     program: &crate::ir::Program,
     world: &World,

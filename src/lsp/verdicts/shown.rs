@@ -109,8 +109,8 @@ impl Shown {
         }
     }
 
-    /// All questions of some programs were asked: other verdicts are dropped, as their goals are gone. Returns the programs
-    /// that had some.
+    /// All questions of some programs were asked: other verdicts are dropped, as their goals are gone. Returns the
+    /// programs that had some.
     pub fn finished(&mut self, is_asked: impl Fn(&Path) -> bool) -> BTreeSet<PathBuf> {
         let mut fewer = BTreeSet::new();
         for (root, program) in self.programs.iter_mut().filter(|(root, _)| is_asked(root)) {
@@ -130,7 +130,8 @@ impl Shown {
         own.into_iter().flatten().chain(program.into_iter().flat_map(|program| &program.read))
     }
 
-    /// Files have changed: what was asked about them is out of date. Returns the programs with verdicts that were not before.
+    /// Files have changed: what was asked about them is out of date. Returns the programs with verdicts that were not
+    /// before.
     pub fn changed(&mut self, paths: &BTreeSet<PathBuf>) -> Vec<PathBuf> {
         let mut outdated = Vec::new();
         for (root, program) in &mut self.programs {

@@ -150,6 +150,9 @@ pub struct LayerSession<'a> {
     pub nowhere: Target,
 }
 
+/// Runs work under a watch: the search for a target, or the one without.
+pub type WatchOf<'w> = dyn FnMut(Option<Target>, &mut dyn FnMut(&dyn Watch)) + 'w;
+
 impl LayerSession<'_> {
     /// Explores, then asks each question that no layer before has a way for.
     ///
@@ -158,7 +161,7 @@ impl LayerSession<'_> {
         &self,
         before: &[Layer],
         sources: &SourceMap,
-        watch_of: &mut dyn FnMut(Option<Target>, &mut dyn FnMut(&dyn Watch)),
+        watch_of: &mut WatchOf<'_>,
     ) -> Result<Layer, QueryError> {
         let session = self.session;
         let footprints = Footprints::new(session.simulator());

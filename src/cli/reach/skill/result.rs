@@ -204,7 +204,7 @@ impl SkillResult {
                 steps: answer.steps,
                 seconds_of_play: answer.seconds_of_play,
                 inputs: answer.inputs.clone(),
-                luck: answer.luck.clone(),
+                luck: answer.luck,
             };
             results.push(LayerResult {
                 name: name(index),

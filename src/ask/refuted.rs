@@ -25,8 +25,9 @@ pub struct Refuted {
     pub inputs: String,
     /// Where all that is needed to see it again was written; null if it could not be.
     pub file: Option<PathBuf>,
+    /// What is outside, in words.
     #[serde(skip)]
-    pub(crate) what: String,
+    pub what: String,
 }
 
 /// A number that is as it never is.

@@ -3,13 +3,13 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::{Component, Path};
 
 use crate::ir::Side;
 use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
 use crate::syntax::occurrence::NameKind;
 
+use super::actions::create::relative;
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::{Block, CursorContext};
@@ -480,17 +480,4 @@ impl CompletionCollector<'_> {
 fn is_arithmetic(name: &str) -> bool {
     let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "received"];
     !reads.contains(&name) && !matches!(name, "near" | "distance" | "inside" | "count" | "rect" | "circle")
-}
-
-/// The path by which one program imports another.
-fn relative(from: &Path, to: &Path) -> Option<String> {
-    if from == to {
-        return None;
-    }
-    let folder: Vec<Component<'_>> = from.parent()?.components().collect();
-    let target: Vec<Component<'_>> = to.components().collect();
-    let same = folder.iter().zip(&target).take_while(|(a, b)| a == b).count();
-    let up = folder.iter().skip(same).map(|_| "..");
-    let down = target.iter().skip(same).filter_map(|part| part.as_os_str().to_str());
-    Some(up.chain(down).collect::<Vec<_>>().join("/"))
 }

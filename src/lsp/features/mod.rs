@@ -5,6 +5,7 @@ pub(super) mod actions;
 pub(super) mod completion;
 pub(super) mod completion_items;
 pub(super) mod findings;
+pub(super) mod formatting;
 pub(super) mod hierarchy;
 pub(super) mod hints;
 pub(super) mod hover;

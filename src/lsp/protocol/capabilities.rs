@@ -33,7 +33,15 @@ pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
         selection_range_provider: Some(true.into()),
         code_action_provider: Some(
             types::CodeActionOptions {
-                code_action_kinds: Some(vec![types::CodeActionKind::QuickFix, types::CodeActionKind::SourceFixAll]),
+                code_action_kinds: Some(vec![
+                    types::CodeActionKind::QuickFix,
+                    types::CodeActionKind::RefactorExtract,
+                    types::CodeActionKind::RefactorInline,
+                    types::CodeActionKind::RefactorMove,
+                    types::CodeActionKind::RefactorRewrite,
+                    types::CodeActionKind::SourceFixAll,
+                ]),
+                resolve_provider: Some(true),
                 ..Default::default()
             }
             .into(),

@@ -13,6 +13,10 @@ pub(super) struct Client {
     pub watches_files: bool,
     /// Whether it supports `workspace/inlayHint/refresh`.
     pub refreshes_hints: bool,
+    /// Whether it asks for the edits of a code action when that is chosen.
+    pub resolves_actions: bool,
+    /// Whether it creates files that an edit names.
+    pub creates_files: bool,
     /// Whether it supports snippets in completion items.
     pub has_snippets: bool,
     /// Whether it highlights syntax by its own grammar, so that semantic tokens contain only names.
@@ -38,6 +42,14 @@ impl Client {
             watches_files: flag("/workspace/didChangeWatchedFiles/dynamicRegistration"),
             refreshes_hints: flag("/workspace/inlayHint/refreshSupport"),
             has_grammar: flag("/textDocument/semanticTokens/augmentsSyntaxTokens"),
+            resolves_actions: capabilities
+                .pointer("/textDocument/codeAction/resolveSupport/properties")
+                .and_then(Value::as_array)
+                .is_some_and(|properties| properties.iter().any(|p| p == "edit")),
+            creates_files: capabilities
+                .pointer("/workspace/workspaceEdit/resourceOperations")
+                .and_then(Value::as_array)
+                .is_some_and(|operations| operations.iter().any(|o| o == "create")),
             has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }
     }

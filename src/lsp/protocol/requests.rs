@@ -54,6 +54,7 @@ macro_rules! requests {
 requests! {
     "callHierarchy/incomingCalls"               Open CallHierarchyIncomingCallsRequest handlers::incoming_calls,
     "callHierarchy/outgoingCalls"               Open CallHierarchyOutgoingCallsRequest handlers::outgoing_calls,
+    "codeAction/resolve"                        Open CodeActionResolveRequest          handlers::resolve_action,
     "textDocument/codeAction"                   Open CodeActionRequest                 handlers::code_actions,
     "textDocument/codeLens"                     Open CodeLensRequest                   handlers::code_lenses,
     "textDocument/completion"                   Open CompletionRequest                 handlers::completion,

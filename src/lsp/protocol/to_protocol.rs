@@ -7,7 +7,7 @@ use std::path::Path;
 
 use gen_lsp_types as types;
 use gen_lsp_types::Uri;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::client::Client;
 use super::findings;
@@ -15,7 +15,7 @@ use super::kinds;
 use super::positions::{START, position, range};
 use super::uri::uri_of;
 use crate::lsp::documents::Documents;
-use crate::lsp::features::actions::{ActionKind, CodeAction};
+use crate::lsp::features::actions::{ActionKind, CodeAction, Edits};
 use crate::lsp::features::completion::Completions;
 use crate::lsp::features::completion_items::{CompletionItem, Insert};
 use crate::lsp::features::hierarchy::CallItem;
@@ -103,15 +103,47 @@ impl ToProtocol<'_> {
         types::WorkspaceEdit { changes: Some(changes), ..types::WorkspaceEdit::default() }
     }
 
-    pub fn code_action(self, action: CodeAction<'_>) -> types::CodeAction {
+    /// The edit of a code action: changes of documents, and new files before them.
+    pub fn action_edit(self, edits: Edits) -> types::WorkspaceEdit {
+        let Edits { edits, new_files } = edits;
+        let edit = self.workspace_edit(edits);
+        if new_files.is_empty() {
+            return edit;
+        }
+        let in_document = |uri: Uri, version: Option<i32>, edits: Vec<types::TextEdit>| types::TextDocumentEdit {
+            text_document: types::OptionalVersionedTextDocumentIdentifier {
+                version,
+                text_document_identifier: types::TextDocumentIdentifier { uri },
+            },
+            edits: edits.into_iter().map(Into::into).collect(),
+        };
+        let mut changes: Vec<types::DocumentChange> = Vec::new();
+        for (path, text) in new_files {
+            let uri = uri_of(&path);
+            changes.push(types::CreateFile { uri: uri.clone(), options: None, annotation_id: None }.into());
+            let all = types::TextEdit { range: types::Range { start: START, end: START }, new_text: text };
+            changes.push(in_document(uri, None, vec![all]).into());
+        }
+        let mut edited: Vec<_> = edit.changes.unwrap_or_default().into_iter().collect();
+        edited.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0));
+        for (uri, edits) in edited {
+            let version = self.documents.get(&super::uri::path_of(&uri)).map(|document| document.version);
+            changes.push(in_document(uri, version, edits).into());
+        }
+        types::WorkspaceEdit { document_changes: Some(changes), ..types::WorkspaceEdit::default() }
+    }
+
+    /// A code action; `place` finds it again if its edits are asked for later.
+    pub fn code_action(self, action: CodeAction<'_>, place: impl FnOnce() -> Value) -> types::CodeAction {
         let shown =
             |(snapshot, finding)| vec![findings::to_protocol_diagnostic(finding, snapshot, self.client.encoding)];
         types::CodeAction {
-            title: action.title.into(),
+            title: action.title,
             kind: Some(kinds::of_action(action.kind)),
             diagnostics: action.finding.map(shown),
             is_preferred: (action.kind == ActionKind::Fix).then_some(true),
-            edit: Some(self.workspace_edit(action.edits)),
+            data: action.edits.is_none().then(place),
+            edit: action.edits.map(|edits| self.action_edit(edits)),
             ..types::CodeAction::default()
         }
     }

@@ -1,0 +1,177 @@
+//! Code actions as an editor applies them: each way to mend a finding mends it, and adds no error; each refactoring
+//! keeps what the program does.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use hypedc::compile::{Compilation, LevelFile, check_with};
+use hypedc::diagnostic::page::{Example, Page, Side};
+use hypedc::diagnostic::{Code, Severity};
+use hypedc::source::FileId;
+use hypedc::syntax::parse;
+use serde_json::{Value, json};
+
+use super::client::{Client, Memory};
+use super::session::{position, uri};
+
+/// The files of an editor's folder.
+type Files = BTreeMap<String, String>;
+
+const PROGRAM: &str = "program.hyped";
+
+fn capabilities() -> Value {
+    json!({ "workspace": { "workspaceEdit": { "resourceOperations": ["create"] } } })
+}
+
+fn start(files: &Files) -> Client {
+    let named: Vec<(String, &String)> = files.iter().map(|(file, text)| (format!("/game/{file}"), text)).collect();
+    let on_disk: Vec<(&str, &str)> = named.iter().map(|(file, text)| (file.as_str(), text.as_str())).collect();
+    let mut client = Client::start(&on_disk, capabilities());
+    client.open(&uri(PROGRAM), &files[PROGRAM]);
+    client.settle();
+    client
+}
+
+/// The byte of a position.
+fn byte(text: &str, at: &Value) -> usize {
+    let line: usize = text.split_inclusive('\n').take(at["line"].as_u64().unwrap() as usize).map(str::len).sum();
+    let rest = text.get(line..).unwrap_or_default();
+    let units = at["character"].as_u64().unwrap() as usize;
+    let column: usize = rest.chars().scan(0, |seen, c| (*seen < units).then(|| (*seen += c.len_utf16(), c.len_utf8()).1)).sum();
+    line + column
+}
+
+fn edited(text: &str, edits: &[Value]) -> String {
+    let mut edits: Vec<(usize, usize, &str)> = edits
+        .iter()
+        .map(|e| (byte(text, &e["range"]["start"]), byte(text, &e["range"]["end"]), e["newText"].as_str().unwrap()))
+        .collect();
+    edits.sort();
+    edits.iter().rev().fold(text.to_string(), |mut text, (start, end, new)| {
+        text.replace_range(start..end, new);
+        text
+    })
+}
+
+/// The files after an action.
+fn applied(files: &Files, action: &Value) -> Files {
+    let mut files = files.clone();
+    let edit = &action["edit"];
+    let name = |uri: &Value| uri.as_str().unwrap().strip_prefix("file:///game/").unwrap().to_string();
+    for (uri, edits) in edit["changes"].as_object().into_iter().flatten() {
+        let file = name(&json!(uri));
+        let new = edited(&files[&file], edits.as_array().unwrap());
+        files.insert(file, new);
+    }
+    for change in edit["documentChanges"].as_array().into_iter().flatten() {
+        if change["kind"] == "create" {
+            assert!(files.insert(name(&change["uri"]), String::new()).is_none(), "a file is overwritten");
+            continue;
+        }
+        let file = name(&change["textDocument"]["uri"]);
+        let new = edited(&files[&file], change["edits"].as_array().unwrap());
+        files.insert(file, new);
+    }
+    files
+}
+
+fn actions(client: &mut Client, range: &Value) -> Vec<Value> {
+    let params = json!({
+        "textDocument": { "uri": uri(PROGRAM) }, "range": range, "context": { "diagnostics": [] },
+    });
+    client.request("textDocument/codeAction", params).unwrap().as_array().unwrap().clone()
+}
+
+fn checked(files: &Files) -> Compilation {
+    let disk = files.iter().map(|(file, text)| (PathBuf::from(format!("/game/{file}")), text.clone())).collect();
+    check_with(&Path::new("/game").join(PROGRAM), LevelFile::default(), &Memory(disk))
+}
+
+/// The number of errors, and of findings of a code with a message.
+fn counts(found: &Compilation, code: &str, message: &str) -> (usize, usize) {
+    let errors = found.diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+    (errors, found.diagnostics.iter().filter(|d| d.code.text() == code && d.message == message).count())
+}
+
+/// The lines that differ.
+fn changes(before: &Files, after: &Files) -> Vec<String> {
+    let mut out = Vec::new();
+    for (file, new) in after {
+        let old: Vec<&str> = before.get(file).map_or(Vec::new(), |text| text.lines().collect());
+        let new: Vec<&str> = new.lines().collect();
+        let same = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
+        let rest = old.len().min(new.len()) - same;
+        let tail = old.iter().rev().zip(new.iter().rev()).take(rest).take_while(|(a, b)| a == b).count();
+        if old != new && file != PROGRAM {
+            out.push(format!("  in {file}"));
+        }
+        out.extend(old[same..old.len() - tail].iter().map(|line| format!("  - {line}").trim_end().to_string()));
+        out.extend(new[same..new.len() - tail].iter().map(|line| format!("  + {line}").trim_end().to_string()));
+    }
+    out
+}
+
+/// Applies each way to mend the findings of a program; adds the codes that have one, and writes down the changes.
+fn mend(files: &Files, mended: &mut BTreeSet<String>, log: &mut String) {
+    let before = checked(files);
+    let mut client = start(files);
+    let found = client.shown.get(&uri(PROGRAM)).and_then(Value::as_array).cloned().unwrap_or_default();
+    let mut seen = BTreeSet::new();
+    for finding in &found {
+        let code = finding["code"].as_str().unwrap();
+        let message = finding["message"].as_str().unwrap().lines().next().unwrap().to_string();
+        for action in actions(&mut client, &finding["range"]) {
+            let title = action["title"].as_str().unwrap();
+            let of = &action["diagnostics"][0];
+            let is_own = of["code"] == finding["code"] && of["range"] == finding["range"];
+            if action["kind"] != "quickfix" || !is_own || !seen.insert((finding.to_string(), title.to_string())) {
+                continue;
+            }
+            let after = applied(files, &action);
+            let again = checked(&after);
+            let (errors, count) = counts(&before, code, &message);
+            let (errors_after, left) = counts(&again, code, &message);
+            let shown = changes(files, &after).join("\n");
+            assert!(errors_after <= errors, "{code}: {title} adds an error\n{shown}\n{:?}", again.diagnostics);
+            assert!(left < count, "{code}: {title} does not mend\n{shown}\n{:?}", again.diagnostics);
+            let broken = |text: &str| parse(FileId(0), text).1.counts().0;
+            assert!(broken(&after[PROGRAM]) <= broken(&files[PROGRAM]), "{code}: {title} breaks the text\n{shown}");
+            log.push_str(&format!("{code}: {title}\n{shown}\n"));
+            mended.insert(code.to_string());
+        }
+    }
+    assert!(client.stop());
+}
+
+/// The text of an example.
+fn text(example: &Example<'_>) -> Option<String> {
+    let mut text = example.lines.join("\n") + "\n";
+    for dots in example.settings("dots") {
+        text = text.replacen('…', &dots.repeat(example.setting("times")?.parse().ok()?), 1);
+    }
+    example.setting("encoding").is_none().then_some(text)
+}
+
+#[test]
+fn each_way_to_mend_a_finding_mends_it() {
+    let (mut mended, mut log) = (BTreeSet::new(), String::new());
+    for code in Code::ALL {
+        let page = Page::of(*code);
+        let mut files = Files::new();
+        for example in page.examples().filter(|e| e.side.is_none_or(|s| s == Side::Wrong) && e.language != "sh") {
+            let Some(text) = text(example) else { continue };
+            files.insert(example.setting("file").unwrap_or(PROGRAM).to_string(), text);
+        }
+        if files.get(PROGRAM).is_some_and(|text| text.len() < 20_000) {
+            mend(&files, &mut mended, &mut log);
+        }
+    }
+    for (name, text) in [
+        ("a slime", "entity Hero {\n    button jump\n    mode a { when pressed(jmp) and fast -> b { y' := lift } }\n}\n"),
+    ] {
+        log.push_str(&format!("--- {name}\n"));
+        mend(&Files::from([(PROGRAM.into(), text.into())]), &mut mended, &mut log);
+    }
+    insta::assert_snapshot!(log);
+    assert!(mended.len() >= 35, "{} codes: {mended:?}", mended.len());
+}

@@ -7,9 +7,11 @@ mod actions;
 mod client;
 mod current;
 mod edits;
+mod files;
 mod names;
 mod service;
 mod session;
+mod typing;
 mod writing;
 
 use serde_json::json;

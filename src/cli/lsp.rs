@@ -33,7 +33,12 @@ impl Files for Folders {
 
 impl Workspace for Folders {
     fn programs(&self, folder: &Path) -> Vec<PathBuf> {
+        self.files(folder, &["hyped"])
+    }
+
+    fn files(&self, folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
         let (mut found, mut folders, mut searched) = (Vec::new(), vec![folder.to_path_buf()], 0);
+        let is_of = |path: &Path| path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending));
         while let Some(folder) = folders.pop() {
             searched += 1;
             if searched > MAX_FOLDERS || found.len() >= MAX_PROGRAMS {
@@ -47,7 +52,7 @@ impl Workspace for Folders {
                 // Links are not followed: they may form cycles.
                 match entry.file_type() {
                     Ok(kind) if kind.is_dir() && !hidden && !built => folders.push(path),
-                    Ok(kind) if kind.is_file() && path.extension().is_some_and(|e| e == "hyped") => found.push(path),
+                    Ok(kind) if kind.is_file() && is_of(&path) => found.push(path),
                     _ => {}
                 }
             }

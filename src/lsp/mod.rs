@@ -48,4 +48,9 @@ use crate::source::Files;
 pub trait Workspace: Files + Send + Sync {
     /// The programs in a folder and its subfolders.
     fn programs(&self, folder: &Path) -> Vec<PathBuf>;
+
+    /// The files in a folder and its subfolders with one of some endings.
+    fn files(&self, _folder: &Path, _endings: &[&str]) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use hypedc::compile::{Compilation, LevelFile, check_with};
 use hypedc::diagnostic::page::{Example, Page, Side};
 use hypedc::diagnostic::{Code, Severity};
+use hypedc::ir::WorldId;
+use hypedc::sim::{Simulator, TraceFormat, TraceLines};
 use hypedc::source::FileId;
 use hypedc::syntax::parse;
 use serde_json::{Value, json};
@@ -174,4 +176,113 @@ fn each_way_to_mend_a_finding_mends_it() {
     }
     insta::assert_snapshot!(log);
     assert!(mended.len() >= 35, "{} codes: {mended:?}", mended.len());
+}
+
+/// The trace of a run of the first world.
+fn trace(files: &Files, inputs: &str) -> Vec<String> {
+    let compiled = checked(files);
+    let program = compiled.program.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics));
+    let mut lines = Vec::new();
+    let script = crate::support::script(&program, inputs);
+    let sim = Simulator::new(&program, WorldId(0));
+    let mut scratch = sim.scratch();
+    let mut state = sim.initial(&mut scratch).unwrap();
+    let shown = TraceLines::new(&sim, TraceFormat::Csv);
+    for (step, input) in script.inputs().take(240).enumerate() {
+        if sim.step(&mut state, input, &mut scratch).is_err() {
+            break;
+        }
+        lines.push(shown.state(step as u64, input, &state).unwrap());
+    }
+    lines
+}
+
+/// The refactorings at a range.
+fn refactorings(client: &mut Client, range: &Value) -> Vec<Value> {
+    let all = actions(client, range);
+    all.into_iter().filter(|action| action["kind"].as_str().unwrap().starts_with("refactor")).collect()
+}
+
+/// A program in which `«…»` is selected, or `|` is the cursor; gives it without the marks, and the range.
+fn marked(text: &str) -> (String, Value) {
+    let start = text.find(['«', '|']).unwrap();
+    let plain = text.replace(['«', '»', '|'], "");
+    let end = text.find('»').map_or(start, |end| end - '«'.len_utf8());
+    (plain.clone(), json!({ "start": position(&plain, start), "end": position(&plain, end) }))
+}
+
+#[test]
+fn refactorings_keep_the_program() {
+    let world = "world Room {\n    space main {\n        place hero: Hero at (0, 40)\n    }\n    player 1: hero\n}\n";
+    let entity = |body: &str| format!("entity Hero {{\n    button jump\n\n{body}}}\n\n{world}");
+    let edges = "    mode a {\n        when timer > 20frames and not held(jump) or y < 3 -> b\n        else { y' := 4 }\n    }\n    mode b { }\n";
+    let mut log = String::new();
+    for text in [
+        entity("    mode a { y'' = -|400 }\n"),
+        entity("    param pull = 4\n    mode a { y'' = «-400 * pull» }\n"),
+        entity("    mode a { y'' = -400; when |y < 20 and held(jump) -> b }\n    mode b { y'' = 9 }\n"),
+        entity("    mode a { y'' = -400; when timer > 1s and «y < 20 and y > 3» -> b }\n    mode b { y'' = 9 }\n"),
+        entity("    «x' = 30\n    y'' = -400»\n    mode a { when held(jump) -> b }\n    mode b { x' = 3 }\n"),
+        format!("const pull = 3 + 4\n\n{}", entity("    mode a { y'' = -pull| * 3; x'' = pull }\n")),
+        entity("    condition |low = y < 20 or y > 90\n    mode a { y'' = -400; when low and timer > 3frames -> b }\n    mode b { y'' = 9 }\n"),
+        entity(&edges.replace("when timer", "when |timer")),
+        entity("    mode a { y'' = -400; when |not (y > 20 and timer > 1s) -> b }\n    mode b { x' = if(y |> 3, 20, 30) }\n".replacen("y |>", "y >", 1).as_str()),
+        entity("    mode a { x' = |if(y > 3 and timer < 1s, 20, 30) }\n"),
+        format!("{}{}", entity("    mode a { }\n"), "entity Big|Slime {\n    // slow\n    x' = 3\n}\n"),
+    ] {
+        let (plain, range) = marked(&text);
+        let files = Files::from([(PROGRAM.to_string(), plain)]);
+        let mut client = start(&files);
+        for action in refactorings(&mut client, &range) {
+            let after = applied(&files, &action);
+            let title = action["title"].as_str().unwrap();
+            for inputs in ["-*120", "jump*3 -*30 jump*40 -*40"] {
+                assert_eq!(trace(&files, inputs), trace(&after, inputs), "{title}\n{}", after[PROGRAM]);
+            }
+            log.push_str(&format!("{}: {title}\n{}\n", action["kind"].as_str().unwrap(), changes(&files, &after).join("\n")));
+        }
+        assert!(client.stop());
+    }
+    insta::assert_snapshot!(log);
+}
+
+#[test]
+fn refactorings_anywhere_in_examples_keep_their_runs() {
+    let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
+    for (name, every) in [("flappy", 3), ("pong", 5), ("switch_door", 7), ("frog", 13), ("mario", 29)] {
+        let text = std::fs::read_to_string(format!("examples/{name}.hyped")).unwrap();
+        let inputs = std::fs::read_to_string(format!("examples/inputs/{name}.inputs")).unwrap_or("-*60".into());
+        let files = Files::from([(PROGRAM.to_string(), text.clone())]);
+        let before = trace(&files, &inputs);
+        let mut client = start(&files);
+        let starts: Vec<usize> = text.match_indices(char::is_whitespace).map(|(at, _)| at + 1).collect();
+        for at in starts.into_iter().step_by(every).filter(|at| text.is_char_boundary(*at)) {
+            let place = position(&text, at.min(text.len()));
+            for action in refactorings(&mut client, &json!({ "start": place, "end": place })) {
+                let after = applied(&files, &action);
+                assert_eq!(trace(&after, &inputs), before, "{name}: {}\n{}", action["title"], after[PROGRAM]);
+                *kinds.entry(action["title"].as_str().unwrap().split('`').next().unwrap().to_string()).or_default() += 1;
+            }
+        }
+        assert!(client.stop());
+    }
+    assert!(kinds.len() >= 5 && kinds.values().sum::<usize>() > 40, "{kinds:?}");
+}
+
+#[test]
+fn an_editor_that_resolves_actions_gets_the_edits_of_large_programs_later() {
+    let text = format!("entity Hero {{\n    mode a {{ y'' = -400 }}\n}}\n{}", "// a line of a long text\n".repeat(4_000));
+    let capabilities = json!({ "textDocument": { "codeAction": { "resolveSupport": { "properties": ["edit"] } } } });
+    let mut client = Client::start(&[], capabilities);
+    client.open(&uri(PROGRAM), &text);
+    let at = position(&text, text.find("400").unwrap());
+    let listed = refactorings(&mut client, &json!({ "start": at, "end": at }));
+    let constant = listed.iter().find(|action| action["title"] == "extract a constant").unwrap();
+    assert_eq!(constant["edit"], Value::Null);
+    let resolved = client.request("codeAction/resolve", constant.clone()).unwrap();
+    let after = applied(&Files::from([(PROGRAM.to_string(), text)]), &resolved);
+    assert!(after[PROGRAM].starts_with("const new_constant = 400\n\nentity Hero {\n    mode a { y'' = -new_constant }\n"));
+    client.change(&uri(PROGRAM), json!([{ "text": "entity A { }\n" }]));
+    assert_eq!(client.request("codeAction/resolve", constant.clone()).unwrap_err().0, -32803);
+    assert!(client.stop());
 }

@@ -30,6 +30,11 @@ impl Workspace for Memory {
         let is_program = |path: &&PathBuf| path.starts_with(folder) && path.extension().is_some_and(|e| e == "hyped");
         self.0.keys().filter(is_program).cloned().collect()
     }
+
+    fn files(&self, folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+        let is_of = |path: &&PathBuf| path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending));
+        self.0.keys().filter(|path| path.starts_with(folder)).filter(is_of).cloned().collect()
+    }
 }
 
 /// An editor.
@@ -57,6 +62,11 @@ impl Client {
 
     /// An editor whose server reads a given disk.
     pub fn start_on(disk: Arc<dyn Workspace>, capabilities: Value) -> Self {
+        Client::start_with(disk, capabilities, Value::Null)
+    }
+
+    /// As [`start_on`](Self::start_on), with options of its own.
+    pub fn start_with(disk: Arc<dyn Workspace>, capabilities: Value, options: Value) -> Self {
         let (ours, theirs) = Connection::memory();
         let settings = Settings { debounce: Duration::ZERO };
         let server = std::thread::spawn(move || Server::serve(theirs, disk, settings));
@@ -73,6 +83,7 @@ impl Client {
         let folders = json!([{ "uri": "file:///game", "name": "game" }]);
         let params = json!({
             "processId": null, "rootUri": null, "capabilities": capabilities, "workspaceFolders": folders,
+            "initializationOptions": options,
         });
         client.capabilities = client.request("initialize", params).unwrap();
         client.notify("initialized", json!({}));

@@ -7,6 +7,7 @@ use crate::source::FileId;
 
 use crate::lsp::text::alignment::hunks;
 use crate::lsp::text::document_text::Text;
+use crate::lsp::text::lexer::tokens;
 
 /// The edits that format a text; with `lines`, only those that touch these lines. `None` if the text has syntax
 /// errors.
@@ -15,6 +16,46 @@ pub(in crate::lsp) fn formatting(
     lines: Option<&RangeInclusive<u32>>,
 ) -> Option<Vec<(Range<usize>, String)>> {
     formatted(text).map(|new| edits(text, &new, lines))
+}
+
+/// The edits after a character was typed at a line: after `}` in the lines of its block, after a line break in the line
+/// before. The line of the cursor stays, so that its indentation is not lost.
+pub(in crate::lsp) fn on_type(text: &Text, line: u32, typed: &str) -> Option<Vec<(Range<usize>, String)>> {
+    let code = text.code();
+    let starts: Vec<usize> =
+        std::iter::once(0).chain(code.match_indices('\n').map(|(at, _)| at + 1)).collect();
+    let start = starts.get(line as usize).copied()?;
+    if typed == "}" {
+        let end = starts.get(line as usize + 1).copied().unwrap_or(code.len());
+        let close = start + code.get(start..end)?.rfind('}')?;
+        let first = opening_line(code, close)?;
+        return formatting(text, Some(&(first..=line)));
+    }
+    let before = line.checked_sub(1)?;
+    // Blanks in the line of the cursor are no reason to touch it.
+    let rest = code.get(start..)?;
+    let end = start + rest.find('\n').unwrap_or(rest.len());
+    let is_blank = code.get(start..end)?.trim().is_empty();
+    let shown = if is_blank { Text::new(format!("{}{}", &code[..start], &code[end..])) } else { text.clone() };
+    let edits = formatting(&shown, Some(&(before..=before)))?;
+    Some(edits.into_iter().filter(|(bytes, _)| bytes.end <= start).collect())
+}
+
+/// The line of the brace that a closing brace closes.
+fn opening_line(code: &str, close: usize) -> Option<u32> {
+    let mut open = Vec::new();
+    for token in tokens(code) {
+        match token.text(code) {
+            "{" => open.push(token.at.start),
+            "}" if token.at.start == close => {
+                let at = open.pop()?;
+                return Some(code.get(..at)?.matches('\n').count() as u32);
+            }
+            "}" => drop(open.pop()),
+            _ => {}
+        }
+    }
+    None
 }
 
 /// The formatted text; `None` if the text has syntax errors.

@@ -5,6 +5,7 @@
 mod capabilities;
 mod client;
 mod context;
+mod edit_handlers;
 mod findings;
 mod from_protocol;
 mod handlers;

@@ -4,6 +4,7 @@ use gen_lsp_types as types;
 use lsp_server::{ErrorCode, Request, Response};
 
 use super::context::{Context, Failure, response};
+use super::edit_handlers;
 use super::handlers::{self, Answer};
 use super::tokens;
 use super::uri::path_of;
@@ -64,6 +65,7 @@ requests! {
     "textDocument/documentSymbol"               Text DocumentSymbolRequest             handlers::document_symbols,
     "textDocument/foldingRange"                 Text FoldingRangeRequest               handlers::folding_ranges,
     "textDocument/formatting"                   Text DocumentFormattingRequest         handlers::formatting,
+    "textDocument/onTypeFormatting"             Text DocumentOnTypeFormattingRequest   edit_handlers::on_type_formatting,
     "textDocument/hover"                        Open HoverRequest                      handlers::hover,
     "textDocument/inlayHint"                    Open InlayHintRequest                  handlers::inlay_hints,
     "textDocument/prepareCallHierarchy"         Open CallHierarchyPrepareRequest       handlers::prepare_calls,
@@ -76,6 +78,7 @@ requests! {
     "textDocument/semanticTokens/full/delta"    Open SemanticTokensDeltaRequest        tokens::changed_tokens,
     "textDocument/semanticTokens/range"         Open SemanticTokensRangeRequest        tokens::tokens_in_range,
     "textDocument/signatureHelp"                Open SignatureHelpRequest              handlers::signature_help,
+    "workspace/willRenameFiles"                All  WillRenameFilesRequest            edit_handlers::will_rename_files,
     "workspace/symbol"                          All  WorkspaceSymbolRequest            handlers::workspace_symbols,
 }
 

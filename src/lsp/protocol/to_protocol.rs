@@ -15,6 +15,7 @@ use super::kinds;
 use super::positions::{START, position, range};
 use super::uri::uri_of;
 use crate::lsp::documents::Documents;
+use crate::lsp::features::actions::create;
 use crate::lsp::features::actions::{ActionKind, CodeAction, Edits};
 use crate::lsp::features::completion::Completions;
 use crate::lsp::features::completion_items::{CompletionItem, Insert};
@@ -150,13 +151,18 @@ impl ToProtocol<'_> {
 
     pub fn completion(self, text: &Text, found: Completions) -> types::CompletionResponse {
         let range = self.range(text, &found.replaces);
-        let item = |CompletionItem { rank, label, kind, detail, insert }| {
+        let item = |CompletionItem { rank, label, kind, detail, insert, import }| {
             let snippet = match insert {
                 Insert::Snippet(snippet) if self.client.has_snippets => Some(snippet),
                 Insert::Snippet(_) | Insert::Label => None,
             };
             types::CompletionItem {
-                sort_text: Some(format!("{rank}{label}")),
+                sort_text: Some(format!("{rank:03}{label}")),
+                additional_text_edits: import.map(|path| {
+                    let (at, new_text) = create::import(text.code(), &path);
+                    vec![types::TextEdit { range: self.range(text, &at), new_text }]
+                }),
+                command: (self.client.suggests_again && opens_list(&snippet)).then(suggest_again),
                 kind: Some(kinds::of_completion(kind)),
                 detail: (!detail.is_empty()).then_some(detail),
                 insert_text_format: snippet.is_some().then_some(types::InsertTextFormat::Snippet),
@@ -238,6 +244,17 @@ impl ToProtocol<'_> {
     pub fn ranges(self, edges: &[Location]) -> Vec<types::Range> {
         edges.iter().map(|at| self.range_of(at)).collect()
     }
+}
+
+/// Whether a text with placeholders leaves the cursor where names are offered.
+fn opens_list(snippet: &Option<String>) -> bool {
+    snippet.as_ref().is_some_and(|text| text.ends_with("($1)") || text.ends_with(".$0") || text.ends_with("= $1"))
+}
+
+/// The command by which the editor offers the next names.
+fn suggest_again() -> types::Command {
+    let command = super::client::SUGGEST.to_string();
+    types::Command { title: "suggest".into(), tooltip: None, command, arguments: None }
 }
 
 pub(super) fn fold(fold: &Fold) -> types::FoldingRange {

@@ -207,7 +207,7 @@ fn completions(text: &Text, found: completion::Completions) -> Answer {
             completion_items::Insert::Label => None,
         },
     };
-    Answer::Completion { from, to, items: found.items.into_iter().map(item).collect() }
+    Answer::Completion { from, to, items: found.items.into_iter().filter(|item| !item.is_import()).map(item).collect() }
 }
 
 fn symbol(code: &str, of: structure::Symbol) -> Symbol {

@@ -9,6 +9,9 @@ use crate::diagnostic::suggestion::BlockKind;
 use crate::source::FileId;
 use crate::syntax::{self, Rule};
 
+use crate::lsp::text::cursor::Block;
+use crate::lsp::text::words::usual_order;
+
 /// The statements, and parts of statements, that can be removed alone.
 const STATEMENTS: &[Rule] = &[
     Rule::import, Rule::constant, Rule::entity, Rule::behavior, Rule::world, Rule::parameter, Rule::continuous,
@@ -230,21 +233,18 @@ fn is_same(a: &str, b: &str) -> bool {
     a == b || is_tile(a) && is_tile(b)
 }
 
-/// The usual order of the statements of a block, by their first words.
+/// The place of a statement in the usual order of a block.
 fn rank(owner: Rule, word: &str) -> usize {
-    let order: &[&str] = match owner {
-        Rule::entity | Rule::behavior => &[
-            "look", "param", "continuous", "discrete", "ref", "button", "axis", "chance", "signal", "kinematic",
-            "collider", "clamp", "invariant", "condition", "use", "", "envelope", "initial", "mode", "group", "always",
-        ],
-        Rule::world => &[
-            "step", "collide", "limit", "look", "tiles", "space", "player", "condition", "goal", "never", "test",
-        ],
-        Rule::space => &["bounds", "wrap", "map", "rect", "place", "link"],
-        Rule::mode | Rule::always => &["condition", "use", "", "envelope", "follow", "when", "else", "initial", "mode"],
-        Rule::test => &["inputs", "chance", "expect"],
-        _ => &[],
+    let block = match owner {
+        Rule::entity => Block::Entity,
+        Rule::behavior => Block::Behavior,
+        Rule::world => Block::World,
+        Rule::space => Block::Space,
+        Rule::mode | Rule::always => Block::Mode,
+        Rule::test => Block::Test,
+        _ => Block::Other,
     };
-    let other = order.iter().position(|known| known.is_empty()).unwrap_or(order.len());
-    order.iter().position(|known| *known == word).unwrap_or(other)
+    let order = usual_order(Some(block));
+    let assignment = order.iter().position(|known| known.is_empty()).unwrap_or(order.len());
+    order.iter().position(|known| *known == word).unwrap_or(assignment)
 }

@@ -1,0 +1,486 @@
+//! The order of completion items: what the place asks for first. Statements come in their usual order, names by their
+//! dimension and by whether they are still unused, operands by how often they begin a condition.
+
+use std::collections::BTreeMap;
+
+use crate::sema::checked::Entity;
+
+use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
+use super::hover::per_second;
+use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::lsp::text::lexer::{Kind, tokens};
+use crate::lsp::text::words::usual_order;
+
+/// The position of an item: lower is better. First a class, then a place in it.
+type Key = (usize, usize);
+
+/// Words that begin a condition, the most frequent first.
+const CONDITIONS: &[&str] =
+    &["touching", "timer", "not", "in", "pressed", "y", "x", "entering", "held", "received", "near", "any", "lost"];
+
+/// Functions in values, the most frequent first.
+const VALUES: &[&str] = &["if", "min", "max", "clamp", "abs", "sign", "floor", "mod", "sin", "cos"];
+
+/// Parts of names that tell a dimension.
+const HINTS: &[(&str, &str)] = &[
+    ("accel", "px/s^2"),
+    ("gravity", "px/s^2"),
+    ("drag", "px/s^2"),
+    ("friction", "px/s^2"),
+    ("speed", "px/s"),
+    ("velocity", "px/s"),
+    ("limit", "px/s"),
+    ("time", "s"),
+    ("delay", "s"),
+    ("duration", "s"),
+    ("cooldown", "s"),
+    ("width", "px"),
+    ("height", "px"),
+    ("distance", "px"),
+    ("reach", "px"),
+];
+
+/// Sorts items: each gets its place as its rank.
+pub(super) fn ordered(
+    of: &CompletionCollector<'_>,
+    cursor: &CursorContext<'_>,
+    own: Option<&Entity>,
+    items: Vec<CompletionItem>,
+) -> Vec<CompletionItem> {
+    let order = Order::new(of, cursor, own);
+    let mut keyed: Vec<(Key, CompletionItem)> = items.into_iter().map(|item| (order.key(&item), item)).collect();
+    keyed.sort();
+    let rank = |(place, (_, mut item)): (usize, (Key, CompletionItem))| {
+        item.rank = u8::try_from(place).unwrap_or(u8::MAX);
+        item
+    };
+    keyed.into_iter().enumerate().map(rank).collect()
+}
+
+/// Where a name occurs before the cursor.
+#[derive(Default)]
+struct Uses {
+    /// How often, without its declaration.
+    count: usize,
+    /// The index of the last occurrence among the words.
+    last: usize,
+    /// The index of the first one.
+    first: usize,
+    /// The words before its occurrences.
+    after: Vec<String>,
+}
+
+struct Order<'a> {
+    cursor: &'a CursorContext<'a>,
+    own: Option<&'a Entity>,
+    of: &'a CompletionCollector<'a>,
+    uses: BTreeMap<String, Uses>,
+    words: usize,
+    /// The first word of the statement before, in the same block.
+    statement_before: String,
+    /// The dimension of what is written at the cursor.
+    wanted: Option<String>,
+}
+
+/// Words before a name that is declared there.
+const DECLARING: &[&str] = &["param", "button", "axis", "mode", "continuous", "discrete", "chance", "condition", "signal", "ref"];
+
+impl<'a> Order<'a> {
+    fn new(of: &'a CompletionCollector<'a>, cursor: &'a CursorContext<'a>, own: Option<&'a Entity>) -> Self {
+        let mut order = Order {
+            cursor,
+            own,
+            of,
+            uses: BTreeMap::new(),
+            words: 0,
+            statement_before: String::new(),
+            wanted: None,
+        };
+        order.read(of.code.get(..cursor.word.start).unwrap_or_default());
+        order.wanted = order.wanted_dimension();
+        order
+    }
+
+    /// Reads the words before the cursor: of the item around it.
+    fn read(&mut self, before: &str) {
+        let start = self.cursor.blocks.first().map_or(0, |block| block.start);
+        let text = before.get(start..).unwrap_or_default();
+        let mut last_word = "";
+        let mut at_start = true;
+        let mut is_list = false;
+        // The first words of the statements in each open block.
+        let mut open: Vec<&str> = vec![""];
+        for token in tokens(text) {
+            let word = token.text(text);
+            match token.kind {
+                Kind::Newline => {
+                    (at_start, is_list) = (true, false);
+                    continue;
+                }
+                Kind::Comment => continue,
+                Kind::Symbol if word == "{" => {
+                    open.push("");
+                    at_start = true;
+                }
+                Kind::Symbol if word == "}" => {
+                    open.pop();
+                    at_start = true;
+                }
+                Kind::Symbol if word == ";" => at_start = true,
+                Kind::Word => {
+                    if at_start && let Some(first) = open.last_mut() {
+                        *first = word;
+                    }
+                    is_list |= at_start && matches!(word, "button" | "axis");
+                    at_start = false;
+                    self.words += 1;
+                    let declares = DECLARING.contains(&last_word) || is_list;
+                    let uses = self.uses.entry(word.to_string()).or_default();
+                    if uses.first == 0 {
+                        uses.first = self.words;
+                    }
+                    uses.count += usize::from(!declares);
+                    uses.last = self.words;
+                    uses.after.push(last_word.to_string());
+                }
+                _ => at_start = false,
+            }
+            last_word = word;
+        }
+        self.statement_before = open.last().copied().unwrap_or_default().to_string();
+    }
+
+    fn is_unused(&self, name: &str) -> bool {
+        self.uses.get(name).is_none_or(|uses| uses.count == 0)
+    }
+
+    /// Unused names in the order of their declaration, then the others, the last used first.
+    fn by_use(&self, name: &str) -> usize {
+        match self.uses.get(name) {
+            Some(uses) if uses.count == 0 => uses.first,
+            Some(uses) => 10_000 + self.words.saturating_sub(uses.last),
+            None => 30_000,
+        }
+    }
+
+    /// The names that were used last first.
+    fn by_recency(&self, name: &str) -> usize {
+        self.uses.get(name).map_or(30_000, |uses| self.words.saturating_sub(uses.last))
+    }
+
+    fn key(&self, item: &CompletionItem) -> Key {
+        let label = item.label.as_str();
+        let first = self.cursor.statement.first().copied().unwrap_or_default();
+        let last = self.cursor.previous(1);
+        if item.is_import() {
+            return (90, 0);
+        }
+        if let Some(call) = self.cursor.calls.last() {
+            match call.name {
+                "pressed" | "held" | "released" => return (0, self.by_use(label)),
+                "touching" => return self.touching(item, call.argument),
+                _ => {}
+            }
+        }
+        if self.cursor.statement.is_empty() {
+            return self.statement(item);
+        }
+        match last {
+            "->" => return self.target(label),
+            "mode" => return (0, self.uses.get(label).map_or(0, |uses| uses.first)),
+            "." => return (0, self.by_recency(label)),
+            "in" if first != "clamp" => {
+                let is_other = self.cursor.enclosing(Block::Mode).is_none_or(|block| block.name != label);
+                return (usize::from(!is_other), self.by_recency(label));
+            }
+            _ => {}
+        }
+        if matches!(first, "collide" | "collider" | "kinematic" | "rect" | "look")
+            && item.kind == CompletionKind::Value
+        {
+            return self.tag(label, first);
+        }
+        if matches!(item.kind, CompletionKind::Value | CompletionKind::Property) {
+            return (0, self.given(item));
+        }
+        if self.is_condition() { self.condition(item) } else { self.value(item) }
+    }
+
+    /// The order in which items were collected.
+    fn given(&self, item: &CompletionItem) -> usize {
+        self.of.list.iter().position(|other| other == item).unwrap_or(usize::MAX)
+    }
+
+    /// Statements in their usual order, after the one before.
+    fn statement(&self, item: &CompletionItem) -> Key {
+        let block = self.cursor.block();
+        let word = item.label.split(' ').next().unwrap_or_default();
+        let order = usual_order(block);
+        let place = |word: &str| order.iter().position(|known| *known == word);
+        let is_name = matches!(item.kind, CompletionKind::Variable | CompletionKind::Constant | CompletionKind::Property);
+        if block == Some(Block::Updates) {
+            let guard = self.cursor.blocks.last().map_or(0, |block| block.start);
+            let in_guard = self.of.code.get(guard..self.cursor.word.start).is_some_and(|text| is_word_of(text, word));
+            return match is_name {
+                true if in_guard && self.uses.get(word).is_some() => (0, self.by_recency(word)),
+                true => (1, self.by_recency(word).saturating_sub(self.assigned(word) * 20)),
+                false => (2, self.given(item)),
+            };
+        }
+        if is_name {
+            return (5, self.by_recency(word));
+        }
+        // A snippet comes before its keyword.
+        let is_snippet = usize::from(item.kind != CompletionKind::Snippet);
+        let (Some(at), from) = (place(word), place(&self.statement_before).unwrap_or(0)) else {
+            return (40, self.given(item));
+        };
+        let class = if word == "else" && self.statement_before != "when" { 3 } else { 0 };
+        // What comes before the last statement in the usual order is less likely.
+        let distance = if at >= from { at - from } else { order.len() + at };
+        (class, distance * 2 + is_snippet)
+    }
+
+    /// How often a name was assigned on edges.
+    fn assigned(&self, name: &str) -> usize {
+        self.uses.get(name).map_or(0, |uses| uses.after.iter().filter(|word| *word == "{").count())
+    }
+
+    /// The target of an edge: modes that no edge leads to, then the others; the mode itself last.
+    fn target(&self, label: &str) -> Key {
+        let name = label.rsplit('.').next().unwrap_or(label);
+        let own = self.cursor.enclosing(Block::Mode).map_or("", |block| block.name);
+        let is_target = self.uses.get(name).is_some_and(|uses| uses.after.iter().any(|word| word == "->"));
+        let outer = self.cursor.blocks.iter().any(|block| block.block == Block::Mode && block.name == name);
+        match () {
+            () if name == own => (3, 0),
+            () if outer => (2, 0),
+            () if !is_target => (0, self.by_recency(name)),
+            () => (1, self.by_recency(name)),
+        }
+    }
+
+    fn own_tags(&self) -> Vec<&str> {
+        let own = self.own.into_iter().flat_map(|e| e.colliders.iter().flat_map(|c| c.tags.iter()));
+        let names = own.filter_map(|tag| {
+            self.of.checked().find_map(|checked| checked.tags.get(*tag)).map(|name| &*name.text)
+        });
+        names.collect()
+    }
+
+    fn touching(&self, item: &CompletionItem, argument: usize) -> Key {
+        let label = item.label.as_str();
+        let is_side = item.detail == "side";
+        let own = self.own_tags().iter().position(|tag| *tag == label);
+        let is_declared = self.uses.get(label).is_some_and(|uses| uses.after.iter().any(|w| w == "collider"));
+        match (argument, own) {
+            _ if is_side => (if argument == 2 { 0 } else { 3 }, side(label)),
+            (0, Some(_)) => (0, self.by_recency(label)),
+            (0, None) => (usize::from(!is_declared), self.by_recency(label)),
+            (_, Some(_)) => (2, self.by_recency(label)),
+            (_, None) if is_declared => (2, self.by_recency(label)),
+            (_, None) => (1, self.by_recency(label)),
+        }
+    }
+
+    /// Tags in `collide` lines and colliders: before `with` those of colliders, after it those that are asked for.
+    fn tag(&self, label: &str, first: &str) -> Key {
+        let code = self.of.code.get(..self.cursor.word.start).unwrap_or_default();
+        let is_after_with = self.cursor.statement.contains(&"with");
+        let lines = code.lines().filter(|line| line.trim_start().starts_with("collide"));
+        let is_paired = lines.filter(|line| line.split("with").nth(1).is_some_and(|rest| is_word_of(rest, label)));
+        let pairs = is_paired.count();
+        let of_collider = |line: &str| {
+            let line = line.trim_start();
+            let line = line.strip_prefix("kinematic ").unwrap_or(line);
+            line.starts_with("collider") && is_word_of(line.split(':').next().unwrap_or(line), label)
+        };
+        let is_of_collider = code.lines().any(of_collider);
+        let last = code.rmatch_indices(label).next().map_or(usize::MAX, |(at, _)| code.len() - at);
+        let first_at = code.find(label).unwrap_or(usize::MAX);
+        match (first, is_after_with) {
+            ("collide", true) => (pairs.min(1) + usize::from(is_of_collider), first_at),
+            ("collide", false) => (usize::from(!is_of_collider), last),
+            ("rect", _) => (usize::from(is_of_collider), first_at),
+            _ => (0, last),
+        }
+    }
+
+    /// Whether a condition is written at the cursor, and an operand of it begins.
+    fn is_condition(&self) -> bool {
+        let last = self.cursor.previous(1);
+        let first = self.cursor.statement.first().copied().unwrap_or_default();
+        let in_if = self.cursor.calls.last().is_some_and(|call| call.name == "if" && call.argument == 0);
+        matches!(last, "when" | "and" | "or" | "not" | "invariant" | "while")
+            || first == "condition" && last == "="
+            || matches!(first, "goal" | "never") && last == ":"
+            || matches!(last, "expect" | "reachable" | "unreachable")
+            || in_if && last == "("
+    }
+
+    fn condition(&self, item: &CompletionItem) -> Key {
+        let label = item.label.as_str();
+        let in_world = self.cursor.enclosing(Block::World).is_some();
+        if in_world {
+            return match item.kind {
+                CompletionKind::Instance => (0, self.by_recency(label)),
+                CompletionKind::Variable | CompletionKind::Function if item.detail == "condition" => (1, 0),
+                CompletionKind::Function => (if matches!(item.detail.as_str(), "goal" | "never") { 0 } else { 2 }, 0),
+                _ => (3, self.given(item)),
+            };
+        }
+        let last = self.cursor.previous(1);
+        if last == "or" || last == "not" {
+            // The same question once more.
+            let asked = self.cursor.statement.iter().rev().skip(1).find(|word| CONDITIONS.contains(*word));
+            if last == "or" && asked.is_some_and(|asked| *asked == label) {
+                return (0, 0);
+            }
+        }
+        let has_buttons = self.own.is_some_and(|e| !e.buttons.is_empty());
+        let unused_button = self.own.is_some_and(|e| e.buttons.iter().any(|b| self.is_unused(&b.text)));
+        let has_tags = !self.own_tags().is_empty() || self.uses.contains_key("collider");
+        let groups = self.own.map_or(0, |e| e.groups.len());
+        let place = CONDITIONS.iter().position(|word| *word == label).unwrap_or(CONDITIONS.len());
+        match label {
+            _ if item.detail == "condition" => (usize::from(!self.is_unused(label)) * 4, self.by_use(label)),
+            "pressed" if unused_button && last != "not" => (1, 0),
+            "held" if has_buttons && last == "not" => (3, 0),
+            "pressed" | "held" | "released" if !has_buttons => (60, place),
+            "touching" if !has_tags => (60, place),
+            "touching" => (2, place),
+            "entering" | "exiting" if groups < 2 => (60, place),
+            "not" if last == "not" => (60, 0),
+            "timer" if last == "not" => (40, place),
+            _ if place < CONDITIONS.len() => (3, place),
+            _ if matches!(item.kind, CompletionKind::Variable | CompletionKind::Input) => (4, self.by_use(label)),
+            _ => (50, self.given(item)),
+        }
+    }
+
+    fn value(&self, item: &CompletionItem) -> Key {
+        let label = item.label.as_str();
+        let is_name = matches!(
+            item.kind,
+            CompletionKind::Variable | CompletionKind::Constant | CompletionKind::Input | CompletionKind::Instance
+        );
+        if is_name {
+            let dimension = self.dimension(label);
+            let (wanted, hint) = (self.wanted.as_deref(), hint(label));
+            let class = match (wanted, dimension.as_deref().or(hint)) {
+                (Some(wanted), Some(known)) if wanted == known => 0,
+                (Some("px"), Some(_)) if matches!(label, "x" | "y") => 0,
+                (_, None) if self.is_unused(label) => 1,
+                (None, _) => 1,
+                (Some(_), None) => 2,
+                (Some(_), Some(_)) => 30,
+            };
+            // A variable is rarely its own value.
+            let is_assigned = self.cursor.statement.first() == Some(&label);
+            return (class + 3 * usize::from(is_assigned), self.by_use(label));
+        }
+        let place = VALUES.iter().position(|word| *word == label).unwrap_or(VALUES.len());
+        match item.kind {
+            CompletionKind::Function => (10, place),
+            CompletionKind::Keyword => (9, self.given(item)),
+            _ => (8, self.given(item)),
+        }
+    }
+
+    /// The dimension of a name, by the program or by what it is called.
+    fn dimension(&self, name: &str) -> Option<String> {
+        let own = self.own?;
+        if own.discretes.iter().any(|d| d.name.text == name) {
+            return Some("1".into());
+        }
+        if matches!(name, "x" | "y") {
+            return Some("px".into());
+        }
+        self.of.checked().find_map(|checked| {
+            let (id, entity) = checked.entities.pairs().find(|(_, e)| e.name.text == own.name.text)?;
+            let param = entity.params.find(|p| p.name.text == name).and_then(|p| checked.dimensions.params.get(&(id, p)));
+            let var = || entity.vars.find(|v| v.name.text == name).and_then(|v| checked.dimensions.vars.get(&(id, v)));
+            param.or_else(var).cloned()
+        })
+    }
+
+    /// The dimension of a variable with primes.
+    fn of_variable(&self, name: &str, primes: usize) -> Option<String> {
+        Some(per_second(&self.dimension(name)?, primes))
+    }
+
+    /// The dimension of what is written at the cursor: that of what it is assigned to, compared or added with.
+    fn wanted_dimension(&self) -> Option<String> {
+        let words = &self.cursor.statement;
+        let first = words.first().copied().unwrap_or_default();
+        let end = words.len();
+        // The name before an index, with its primes.
+        let variable = |end: usize| {
+            let primes = match words.get(end.checked_sub(1)?).copied()? {
+                "'" => 1,
+                "''" => 2,
+                _ => 0,
+            };
+            let name = words.get(end.checked_sub(1 + usize::from(primes > 0))?).copied()?;
+            if name == "timer" { Some("s".to_string()) } else { self.of_variable(name, primes) }
+        };
+        let mut last = end.checked_sub(1)?;
+        // A sign does not matter.
+        while words.get(last) == Some(&"-") && last > 0 && is_operator(words.get(last - 1).copied().unwrap_or_default()) {
+            last -= 1;
+        }
+        match words.get(last).copied()? {
+            "=" | ":=" | "+=" | "-=" | "<" | "<=" | ">" | ">=" | "==" | "!=" => variable(last),
+            "+" | "-" => variable(last).or_else(|| self.assigned_dimension()),
+            "in" | ".." if first == "clamp" => variable(words.iter().position(|w| *w == "in")?),
+            "accel" => self.enveloped(1),
+            "sustain" | "to" => self.enveloped(0),
+            "over" | "for" => Some("s".into()),
+            "(" | "," if self.cursor.calls.last().is_some_and(|call| matches!(call.name, "min" | "max" | "clamp" | "if")) => {
+                self.assigned_dimension()
+            }
+            _ => None,
+        }
+    }
+
+    /// The dimension of what the statement assigns.
+    fn assigned_dimension(&self) -> Option<String> {
+        let words = &self.cursor.statement;
+        let operator = words.iter().position(|w| matches!(*w, "=" | ":="))?;
+        let primes = match words.get(operator.checked_sub(1)?).copied()? {
+            "'" => 1,
+            "''" => 2,
+            _ => 0,
+        };
+        self.of_variable(words.first()?, primes)
+    }
+
+    /// The dimension of what the envelope around drives, with more primes.
+    fn enveloped(&self, more: usize) -> Option<String> {
+        let block = self.cursor.blocks.iter().rev().find(|block| block.block == Block::Envelope)?;
+        let head = self.of.code.get(block.start..)?.lines().next()?;
+        let variable = head.strip_prefix("envelope")?.trim_start().trim_start_matches('(');
+        let name: String = variable.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        let primes = variable.get(name.len()..)?.bytes().take_while(|b| *b == b'\'').count();
+        self.of_variable(&name, primes + more)
+    }
+}
+
+fn is_operator(word: &str) -> bool {
+    matches!(word, "=" | ":=" | "+=" | "-=" | "<" | "<=" | ">" | ">=" | "==" | "!=" | "in" | ".." | "accel" | "sustain" | "to" | "(" | ",")
+}
+
+/// The dimension that a name tells.
+fn hint(name: &str) -> Option<&'static str> {
+    HINTS.iter().find(|(part, _)| name.contains(part)).map(|(_, dimension)| *dimension)
+}
+
+/// The sides, the most asked for first.
+fn side(label: &str) -> usize {
+    ["below", "left", "right", "above"].iter().position(|known| *known == label).unwrap_or(4)
+}
+
+/// Whether a text has a word.
+fn is_word_of(text: &str, word: &str) -> bool {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|other| other == word)
+}

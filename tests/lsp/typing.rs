@@ -18,6 +18,10 @@ const PATH: &str = "typed.hyped";
 /// Words that are names in the grammar, and words of the language to people.
 const OTHER_WORDS: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty", "x", "y"];
 
+/// Words before a name that is declared there.
+const DECLARING: &[&str] =
+    &["entity", "mode", "group", "param", "button", "axis", "discrete", "continuous", "condition", "signal", "chance", "as"];
+
 /// The words of a text, with where they begin: without those in comments and quotes.
 fn words(text: &str) -> Vec<(usize, &str)> {
     let (mut out, mut at) = (Vec::new(), 0);
@@ -116,8 +120,12 @@ fn typed(text: &str) -> Count {
         keywords.iter().chain(&functions).map(String::as_str).chain(OTHER_WORDS.iter().copied()).collect();
     let mut known: BTreeSet<&str> = BTreeSet::new();
     let mut count = Count::default();
+    let mut last = "";
     for (at, word) in words(text) {
-        let is_new = !language.contains(word) && !known.contains(word);
+        // `mode left`, `-> left`, `as g`: a word of the language can be a name.
+        let is_named = DECLARING.contains(&last) || text[..at].trim_end().ends_with("->");
+        last = word;
+        let is_new = (!language.contains(word) || is_named) && !known.contains(word);
         known.insert(word);
         if is_new {
             count.new_names += 1;

@@ -4,13 +4,14 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use crate::diagnostic::words::SIGNATURES;
 use crate::ir::Side;
 use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
 use crate::syntax::occurrence::NameKind;
 
 use super::actions::create::relative;
-use super::completion_order::ordered;
+use super::completion_order::{UNDECLARED, ordered};
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::{Block, CursorContext};
@@ -36,6 +37,7 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let mut items = CompletionCollector::new(view, &at.path, code);
     if !cursor.is_quoted {
         items.at(&cursor);
+        items.undeclared(&cursor);
     } else if cursor.statement == ["import"] {
         items.files(view.programs.keys().filter_map(|other| relative(&at.path, other)));
     } else if let Some(endings) = quoted_files(&cursor) {
@@ -57,7 +59,8 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
 
 /// The word at the cursor, if it occurs nowhere else: it is no name yet.
 fn half_typed<'t>(code: &'t str, word: &Range<usize>) -> Option<&'t str> {
-    let text = code.get(word.clone()).filter(|text| !text.is_empty())?;
+    // `x` and `y` need no declaration.
+    let text = code.get(word.clone()).filter(|text| !matches!(*text, "" | "x" | "y"))?;
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     let is_known = is_keyword(text) || code.split(|c| !is_part(c)).filter(|other| *other == text).count() > 1;
     (!is_known).then_some(text)
@@ -279,6 +282,7 @@ impl CompletionCollector<'_> {
                 if let Some(from) = in_behavior {
                     self.declared_after(from, &[NameKind::Mode, NameKind::Argument]);
                 }
+                self.awaited_modes(cursor);
             }
             ("in", "clamp") => return false,
             ("in", _) => {
@@ -297,7 +301,7 @@ impl CompletionCollector<'_> {
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => {
                 self.names_of_kind(NameKind::Tag)
             }
-            (",", "collide" | "collider" | "look") if !cursor.statement.contains(&":") => {
+            (",", "collide" | "collider" | "kinematic" | "look") if !cursor.statement.contains(&":") => {
                 self.names_of_kind(NameKind::Tag);
             }
             // In an entity a colour or a path follows: nothing that has a name.
@@ -397,6 +401,31 @@ impl CompletionCollector<'_> {
             _ => return false,
         }
         true
+    }
+
+    /// Adds names that the item around uses before the cursor and that nothing declares yet: what is written from top to
+    /// bottom uses some names again before they are declared.
+    fn undeclared(&mut self, cursor: &CursorContext<'_>) {
+        let Some(item) = cursor.blocks.first().filter(|_| !cursor.statement.is_empty()) else { return };
+        if ends_operand(cursor) || cursor.previous(1) == "." {
+            return;
+        }
+        let code: &str = self.code;
+        let text = code.get(item.start..cursor.word.start).unwrap_or_default();
+        let words = tokens(text).into_iter().filter(|token| token.kind == Kind::Word);
+        let mut names: BTreeSet<&str> = words.map(|token| token.text(text)).filter(|word| !is_keyword(word)).collect();
+        for program in self.programs.iter().take(1) {
+            for o in &program.ide.occurrences {
+                names.remove(program.name(o));
+            }
+        }
+        for item in &self.list {
+            names.remove(item.label.as_str());
+        }
+        let is_function = |name: &str| SIGNATURES.iter().any(|signature| signature.name == name);
+        for name in names.into_iter().filter(|name| !is_function(name) && *name != "x") {
+            self.add(9, name, CompletionKind::Value, UNDECLARED);
+        }
     }
 
     /// Adds the values in the braces before the cursor: `discrete way: {left, right} = `.

@@ -1,7 +1,7 @@
 //! The order of completion items: what the place asks for first. Statements come in their usual order, names by their
 //! dimension and by whether they are still unused, operands by how often they begin a condition.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::sema::checked::Entity;
 
@@ -13,6 +13,9 @@ use crate::lsp::text::words::usual_order;
 
 /// The position of an item: lower is better. First a class, then a place in it.
 type Key = (usize, usize);
+
+/// The detail of a name that is used and not declared yet.
+pub(super) const UNDECLARED: &str = "not declared yet";
 
 /// Words that begin a condition, the most frequent first.
 const CONDITIONS: &[&str] =
@@ -50,6 +53,9 @@ pub(super) fn ordered(
     let order = Order::new(of, cursor, own);
     let mut keyed: Vec<(Key, CompletionItem)> = items.into_iter().map(|item| (order.key(&item), item)).collect();
     keyed.sort();
+    // Of a keyword and a function with one name the better is shown.
+    let mut seen = BTreeSet::new();
+    keyed.retain(|(_, item)| item.kind == CompletionKind::Snippet || seen.insert(item.label.clone()));
     let rank = |(place, (_, mut item)): (usize, (Key, CompletionItem))| {
         item.rank = u8::try_from(place).unwrap_or(u8::MAX);
         item
@@ -78,12 +84,16 @@ struct Order<'a> {
     words: usize,
     /// The first word of the statement before, in the same block.
     statement_before: String,
+    /// The first word of the guard before, in the same block.
+    guard_before: String,
+    /// Number of assignments in the same block.
+    flows: usize,
     /// The dimension of what is written at the cursor.
     wanted: Option<String>,
 }
 
 /// Words before a name that is declared there.
-const DECLARING: &[&str] = &["param", "button", "axis", "mode", "continuous", "discrete", "chance", "condition", "signal", "ref"];
+const DECLARING: &[&str] = &["param", "button", "axis", "mode", "continuous", "discrete", "chance", "condition", "signal", "ref", "place"];
 
 impl<'a> Order<'a> {
     fn new(of: &'a CompletionCollector<'a>, cursor: &'a CursorContext<'a>, own: Option<&'a Entity>) -> Self {
@@ -94,6 +104,8 @@ impl<'a> Order<'a> {
             uses: BTreeMap::new(),
             words: 0,
             statement_before: String::new(),
+            guard_before: String::new(),
+            flows: 0,
             wanted: None,
         };
         order.read(of.code.get(..cursor.word.start).unwrap_or_default());
@@ -108,8 +120,8 @@ impl<'a> Order<'a> {
         let mut last_word = "";
         let mut at_start = true;
         let mut is_list = false;
-        // The first words of the statements in each open block.
-        let mut open: Vec<&str> = vec![""];
+        // Of each open block: the first word of the last statement, that of the last guard, the number of assignments.
+        let mut open: Vec<(&str, &str, usize)> = vec![("", "", 0)];
         for token in tokens(text) {
             let word = token.text(text);
             match token.kind {
@@ -119,7 +131,7 @@ impl<'a> Order<'a> {
                 }
                 Kind::Comment => continue,
                 Kind::Symbol if word == "{" => {
-                    open.push("");
+                    open.push(("", "", 0));
                     at_start = true;
                 }
                 Kind::Symbol if word == "}" => {
@@ -128,8 +140,12 @@ impl<'a> Order<'a> {
                 }
                 Kind::Symbol if word == ";" => at_start = true,
                 Kind::Word => {
-                    if at_start && let Some(first) = open.last_mut() {
-                        *first = word;
+                    if let Some((first, guard, _)) = open.last_mut() {
+                        if at_start {
+                            *first = word;
+                        } else if last_word == "when" && *first == "when" {
+                            *guard = word;
+                        }
                     }
                     is_list |= at_start && matches!(word, "button" | "axis");
                     at_start = false;
@@ -143,11 +159,17 @@ impl<'a> Order<'a> {
                     uses.last = self.words;
                     uses.after.push(last_word.to_string());
                 }
-                _ => at_start = false,
+                _ => {
+                    if word == "=" && let Some((first, _, flows)) = open.last_mut() {
+                        *flows += usize::from(!DECLARING.contains(first));
+                    }
+                    at_start = false;
+                }
             }
             last_word = word;
         }
-        self.statement_before = open.last().copied().unwrap_or_default().to_string();
+        let (first, guard, flows) = open.last().copied().unwrap_or_default();
+        (self.statement_before, self.guard_before, self.flows) = (first.to_string(), guard.to_string(), flows);
     }
 
     fn is_unused(&self, name: &str) -> bool {
@@ -175,6 +197,9 @@ impl<'a> Order<'a> {
         if item.is_import() {
             return (90, 0);
         }
+        if item.detail == UNDECLARED {
+            return (80, self.by_recency(label));
+        }
         if let Some(call) = self.cursor.calls.last() {
             match call.name {
                 "pressed" | "held" | "released" => return (0, self.by_use(label)),
@@ -200,6 +225,16 @@ impl<'a> Order<'a> {
         {
             return self.tag(label, first);
         }
+        let fixed: &[&str] = match last {
+            "clamp" => &["y", "x"],
+            "envelope" => &["x", "y"],
+            ":" if matches!(first, "collider" | "kinematic") => &["rect"],
+            "attack" | "decay" | "release" => &["accel", "instant", "over", "hold"],
+            _ => &[],
+        };
+        if let Some(at) = fixed.iter().position(|known| *known == label) {
+            return (0, at);
+        }
         if matches!(item.kind, CompletionKind::Value | CompletionKind::Property) {
             return (0, self.given(item));
         }
@@ -222,9 +257,12 @@ impl<'a> Order<'a> {
             let guard = self.cursor.blocks.last().map_or(0, |block| block.start);
             let in_guard = self.of.code.get(guard..self.cursor.word.start).is_some_and(|text| is_word_of(text, word));
             return match is_name {
-                true if in_guard && self.uses.get(word).is_some() => (0, self.by_recency(word)),
-                true => (1, self.by_recency(word).saturating_sub(self.assigned(word) * 20)),
-                false => (2, self.given(item)),
+                true if in_guard && self.uses.contains_key(word) => (0, self.by_recency(word)),
+                true if self.assigned(word) > 0 => (1, self.by_recency(word)),
+                // Without a target something happens to the instance.
+                false if word == "destroy" && !self.has_target() => (2, 0),
+                true => (3, if word == "y" { 0 } else { 1 + self.by_recency(word) }),
+                false => (4, self.given(item)),
             };
         }
         if is_name {
@@ -237,8 +275,19 @@ impl<'a> Order<'a> {
         };
         let class = if word == "else" && self.statement_before != "when" { 3 } else { 0 };
         // What comes before the last statement in the usual order is less likely.
+        let is_rare = matches!(
+            word,
+            "look" | "ref" | "continuous" | "chance" | "signal" | "kinematic" | "invariant" | "use" | "envelope" | "follow" | "spawn"
+        );
         let distance = if at >= from { at - from } else { order.len() + at };
+        let distance = distance + if is_rare && self.statement_before != word { order.len() } else { 0 };
         (class, distance * 2 + is_snippet)
+    }
+
+    /// Whether the edge around leads to a mode.
+    fn has_target(&self) -> bool {
+        let start = self.cursor.blocks.last().map_or(0, |block| block.start);
+        self.of.code.get(start..self.cursor.word.start).is_some_and(|text| text.contains("->"))
     }
 
     /// How often a name was assigned on edges.
@@ -253,7 +302,7 @@ impl<'a> Order<'a> {
         let is_target = self.uses.get(name).is_some_and(|uses| uses.after.iter().any(|word| word == "->"));
         let outer = self.cursor.blocks.iter().any(|block| block.block == Block::Mode && block.name == name);
         match () {
-            () if name == own => (3, 0),
+            () if name == own || name == "always" => (3, 0),
             () if outer => (2, 0),
             () if !is_target => (0, self.by_recency(name)),
             () => (1, self.by_recency(name)),
@@ -275,8 +324,11 @@ impl<'a> Order<'a> {
         let is_declared = self.uses.get(label).is_some_and(|uses| uses.after.iter().any(|w| w == "collider"));
         match (argument, own) {
             _ if is_side => (if argument == 2 { 0 } else { 3 }, side(label)),
-            (0, Some(_)) => (0, self.by_recency(label)),
-            (0, None) => (usize::from(!is_declared), self.by_recency(label)),
+            (0, Some(own)) => match self.uses.get(label).filter(|uses| uses.after.iter().any(|word| word == "(")) {
+                Some(uses) => (0, self.words.saturating_sub(uses.last)),
+                None => (1, own),
+            },
+            (0, None) => (1 + usize::from(!is_declared), self.by_recency(label)),
             (_, Some(_)) => (2, self.by_recency(label)),
             (_, None) if is_declared => (2, self.by_recency(label)),
             (_, None) => (1, self.by_recency(label)),
@@ -342,9 +394,13 @@ impl<'a> Order<'a> {
         let has_tags = !self.own_tags().is_empty() || self.uses.contains_key("collider");
         let groups = self.own.map_or(0, |e| e.groups.len());
         let place = CONDITIONS.iter().position(|word| *word == label).unwrap_or(CONDITIONS.len());
+        let is_collider = matches!(self.cursor.statement.first(), Some(&"collider" | &"kinematic"));
+        let is_edge = self.cursor.statement.len() == 1 && last == "when";
         match label {
             _ if item.detail == "condition" => (usize::from(!self.is_unused(label)) * 4, self.by_use(label)),
-            "pressed" if unused_button && last != "not" => (1, 0),
+            "in" | "not" if is_collider => (0, usize::from(label == "not")),
+            _ if is_edge && self.follows(label, unused_button) => (0, 0),
+            "not" if last == "and" => (1, 0),
             "held" if has_buttons && last == "not" => (3, 0),
             "pressed" | "held" | "released" if !has_buttons => (60, place),
             "touching" if !has_tags => (60, place),
@@ -353,9 +409,25 @@ impl<'a> Order<'a> {
             "not" if last == "not" => (60, 0),
             "timer" if last == "not" => (40, place),
             _ if place < CONDITIONS.len() => (3, place),
+            _ if item.detail == "axis" => (3, 4),
             _ if matches!(item.kind, CompletionKind::Variable | CompletionKind::Input) => (4, self.by_use(label)),
             _ => (50, self.given(item)),
         }
+    }
+
+    /// Whether a word begins the guard that most often follows those before it in the mode.
+    fn follows(&self, label: &str, unused_button: bool) -> bool {
+        let has_buttons = self.own.is_some_and(|e| !e.buttons.is_empty());
+        let is_first = !self.uses.contains_key("->");
+        let likely = match (self.guard_before.as_str(), self.flows) {
+            ("", _) if is_first && unused_button => "pressed",
+            ("", 2..) => "timer",
+            ("not" | "entering", _) if has_buttons => "pressed",
+            ("pressed", _) => "not",
+            _ => "touching",
+        };
+        let has_tags = !self.own_tags().is_empty();
+        label == likely && (likely != "touching" || has_tags)
     }
 
     fn value(&self, item: &CompletionItem) -> Key {
@@ -373,16 +445,26 @@ impl<'a> Order<'a> {
                 (_, None) if self.is_unused(label) => 1,
                 (None, _) => 1,
                 (Some(_), None) => 2,
+                (Some(_), Some("1")) => 3,
                 (Some(_), Some(_)) => 30,
             };
             // A variable is rarely its own value.
             let is_assigned = self.cursor.statement.first() == Some(&label);
-            return (class + 3 * usize::from(is_assigned), self.by_use(label));
+            let is_known = item.detail.ends_with("unless the program declares it");
+            let is_angle = self.cursor.calls.last().is_some_and(|call| matches!(call.name, "sin" | "cos"));
+            let class = match () {
+                () if is_known => 20,
+                () if is_angle && item.kind != CompletionKind::Variable => class + 2,
+                () => class + 3 * usize::from(is_assigned),
+            };
+            return (class, self.by_use(label));
         }
         let place = VALUES.iter().position(|word| *word == label).unwrap_or(VALUES.len());
+        let wanted = self.wanted.as_deref();
         match item.kind {
+            CompletionKind::Function if wanted == Some("1") && matches!(label, "min" | "max") => (1, place),
             CompletionKind::Function => (10, place),
-            CompletionKind::Keyword => (9, self.given(item)),
+            CompletionKind::Keyword => (11, self.given(item)),
             _ => (8, self.given(item)),
         }
     }

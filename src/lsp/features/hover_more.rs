@@ -42,7 +42,8 @@ pub(super) fn hover_more(view: &View, at: &FileOffset, more: impl FnOnce(&MapTil
     let code = document.text.code();
     let (bytes, markdown) = match map_tile(code, at.byte) {
         Some(tile) => {
-            let place = format!("`{}`: column {}, row {}, counted from 0 below", tile.symbol, tile.column, tile.row);
+            let MapTile { world, space, symbol, column, row, .. } = &tile;
+            let place = format!("`{symbol}` in column {column}, row {row} of `{world}.{space}`, counted from 0 below");
             let declared = tile.declared.as_ref().map(|line| format!("```hyped\n{line}\n```"));
             let parts: Vec<String> = declared.into_iter().chain([place]).chain(more(&tile)).collect();
             (tile.bytes, parts.join("\n\n"))
@@ -64,9 +65,8 @@ fn word(code: &str, byte: usize) -> Option<(Range<usize>, String)> {
             "`empty`: no tag: nothing touches the tile, and nothing is stopped by it.\n\n```hyped\n'.': empty\n```".into()
         }
         Kind::Word => {
-            let call = cursor.calls.last().filter(|call| call.name == "touching" && call.argument > 0)?;
+            cursor.calls.last().filter(|call| call.name == "touching" && call.argument > 0)?;
             let (side, description) = SIDES.iter().find(|(side, _)| *side == text)?;
-            let _ = call;
             format!("`{side}`: a side. {description}\n\n```hyped\nwhen touching(body, wall, {side}) -> next\n```")
         }
         _ => return None,

@@ -67,6 +67,19 @@ impl<'t> Blocks<'t> {
         self.nodes.iter().skip(from).filter(move |node| node.bytes.end <= end)
     }
 
+    /// The nodes directly in a node.
+    pub fn children(&self, node: &Node) -> Vec<&Node> {
+        let index = self.nodes.iter().position(|other| std::ptr::eq(other, node)).unwrap_or(self.nodes.len());
+        let mut out: Vec<&Node> = Vec::new();
+        let after = self.nodes.iter().skip(index + 1).take_while(|other| other.bytes.start < node.bytes.end);
+        for other in after.filter(|other| other.bytes.end <= node.bytes.end) {
+            if out.last().is_none_or(|last| last.bytes.end <= other.bytes.start) {
+                out.push(other);
+            }
+        }
+        out
+    }
+
     /// The innermost node around a range with one of some rules.
     pub fn innermost(&self, at: &Range<usize>, rules: &[Rule]) -> Option<&Node> {
         self.around(at).find(|node| rules.contains(&node.rule))

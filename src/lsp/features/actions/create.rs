@@ -85,6 +85,7 @@ pub(super) fn created(view: &View, snapshot: &Snapshot, finding: &Diagnostic) ->
         (Code::UnknownName, Some((kind, name))) => creation.named(kind, name),
         (Code::UncarriedTag, _) => creation.tag(),
         (Code::Unreadable, _) => creation.file(),
+        (Code::Syntax, _) => creation.int_range().into_iter().collect(),
         _ => Vec::new(),
     }
 }
@@ -250,6 +251,14 @@ impl Creation<'_> {
             self.titled(format!("import `{path}`"), at, new)
         };
         named.map(action).collect()
+    }
+
+    /// A range for `int` without one.
+    fn int_range(&self) -> Option<Titled> {
+        let before = self.blocks.code.get(..self.at.start)?.trim_end();
+        let rest = before.strip_suffix("int").filter(|rest| rest.trim_end().ends_with(':'))?;
+        let at = rest.len()..before.len();
+        Some(self.titled("write `int 0..9`".into(), at, "int 0..9".into()))
     }
 
     /// Another file in place of one that an import does not find.

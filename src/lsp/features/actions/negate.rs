@@ -1,10 +1,12 @@
 //! Refactorings that write a condition as its negation: `not (a and b)` as `not a or not b`, the two cases of `when` and
-//! `else` exchanged, the two values of an `if` exchanged.
+//! `else` exchanged, the two values of an `if` exchanged. Each negation is verified for all answers to its questions.
 
 use std::ops::Range;
 use std::path::Path;
 
-use crate::syntax::Rule;
+use crate::source::FileId;
+use crate::syntax::ast::{BinaryOp, CompareOp, Expr, ExprKind};
+use crate::syntax::{self, Rule};
 
 use super::blocks::{Blocks, Node};
 use super::draft::Draft;
@@ -111,13 +113,7 @@ impl Rewriting<'_> {
 
     /// The arguments of a call, without those of calls inside of it.
     fn arguments(&self, call: &Node) -> Vec<&Node> {
-        let mut out: Vec<&Node> = Vec::new();
-        for node in self.blocks.inside(&call.bytes).filter(|node| node.rule == Rule::argument) {
-            if out.last().is_none_or(|last| last.bytes.end <= node.bytes.start) {
-                out.push(node);
-            }
-        }
-        out
+        self.blocks.children(call).into_iter().filter(|node| node.rule == Rule::argument).collect()
     }
 
     /// The negation of an expression; `None` if it binds a name, which a negation does not, or holds a comment.
@@ -126,19 +122,8 @@ impl Rewriting<'_> {
         if binds || self.text(&expression.bytes).contains("//") {
             return None;
         }
-        let parts = self.parts(expression);
-        Some(self.negated_parts(&parts))
-    }
-
-    /// The operands and operators directly in an expression.
-    fn parts(&self, expression: &Node) -> Vec<&Node> {
-        let mut out: Vec<&Node> = Vec::new();
-        for node in self.blocks.inside(&expression.bytes).filter(|node| node.rule != Rule::expression) {
-            if out.last().is_none_or(|last| last.bytes.end <= node.bytes.start) {
-                out.push(node);
-            }
-        }
-        out
+        let negated = self.negated_parts(&self.blocks.children(expression));
+        is_negation(self.text(&expression.bytes).trim(), &negated).then_some(negated)
     }
 
     fn whole(&self, parts: &[&Node]) -> Range<usize> {
@@ -179,7 +164,7 @@ impl Rewriting<'_> {
                 "true" => "false".into(),
                 "false" => "true".into(),
                 text if text.starts_with('(') => match self.inside_of(only) {
-                    Some(inside) => self.negated_parts(&self.parts(inside)),
+                    Some(inside) => self.negated_parts(&self.blocks.children(inside)),
                     None => format!("not {text}"),
                 },
                 text => format!("not {text}"),
@@ -198,8 +183,77 @@ impl Rewriting<'_> {
     fn without_parentheses(&self, primary: &Node) -> String {
         let text = self.text(&primary.bytes).trim();
         let Some(inside) = self.inside_of(primary) else { return text.to_string() };
-        let joins = self.parts(inside).iter().any(|node| matches!(node.rule, Rule::kw_and | Rule::kw_or));
+        let joins = self.blocks.children(inside).iter().any(|node| matches!(node.rule, Rule::kw_and | Rule::kw_or));
         if joins { text.to_string() } else { self.text(&inside.bytes).trim().to_string() }
+    }
+}
+
+/// Maximum number of different questions in an expression that is negated.
+const MAX_ATOMS: usize = 10;
+
+/// Whether one text is the negation of another for all answers to the questions in them.
+fn is_negation(text: &str, negated: &str) -> bool {
+    let parsed = |text| syntax::parse_predicate(FileId(0), text).0;
+    let (Some(a), Some(b)) = (parsed(text), parsed(negated)) else { return false };
+    let mut atoms: Vec<String> = Vec::new();
+    collect_atoms(&a, text, &mut atoms);
+    collect_atoms(&b, negated, &mut atoms);
+    let all = 1_u32.checked_shl(atoms.len() as u32).unwrap_or(0);
+    atoms.len() <= MAX_ATOMS && (0..all).all(|answers| value(&a, text, &atoms, answers) != value(&b, negated, &atoms, answers))
+}
+
+/// A question without an operator that joins others, and whether its answer is the opposite one.
+fn atom(e: &Expr, text: &str) -> (String, bool) {
+    let shown = |e: &Expr| {
+        let words = text.get(e.span.range()).unwrap_or_default().split_whitespace();
+        words.collect::<Vec<_>>().join(" ")
+    };
+    match &e.kind {
+        ExprKind::Compare(operator, sides) => {
+            let (operator, is_opposite) = match operator {
+                CompareOp::Less => ("<", false),
+                CompareOp::AtLeast => ("<", true),
+                CompareOp::AtMost => ("<=", false),
+                CompareOp::Greater => ("<=", true),
+                CompareOp::Equal => ("==", false),
+                CompareOp::Unequal => ("==", true),
+            };
+            (format!("{} {operator} {}", shown(&sides[0]), shown(&sides[1])), is_opposite)
+        }
+        _ => (shown(e), false),
+    }
+}
+
+fn collect_atoms(e: &Expr, text: &str, atoms: &mut Vec<String>) {
+    match &e.kind {
+        ExprKind::Paren(inner) | ExprKind::Not(inner) => collect_atoms(inner, text, atoms),
+        ExprKind::Binary(BinaryOp::And | BinaryOp::Or, sides) => {
+            sides.iter().for_each(|side| collect_atoms(side, text, atoms));
+        }
+        ExprKind::Bool(_) => {}
+        _ => {
+            let (atom, _) = atom(e, text);
+            if !atoms.contains(&atom) {
+                atoms.push(atom);
+            }
+        }
+    }
+}
+
+/// The value of an expression for answers to its questions, one bit each.
+fn value(e: &Expr, text: &str, atoms: &[String], answers: u32) -> bool {
+    let of = |e: &Expr| value(e, text, atoms, answers);
+    match &e.kind {
+        ExprKind::Paren(inner) => of(inner),
+        ExprKind::Not(inner) => !of(inner),
+        ExprKind::Binary(BinaryOp::And, sides) => of(&sides[0]) && of(&sides[1]),
+        ExprKind::Binary(BinaryOp::Or, sides) => of(&sides[0]) || of(&sides[1]),
+        ExprKind::Bool(value) => *value,
+        _ => {
+            let (atom, is_opposite) = atom(e, text);
+            let at = atoms.iter().position(|known| *known == atom).unwrap_or_default();
+            (answers >> at & 1 == 1) != is_opposite
+        }
     }
 }
 

@@ -39,7 +39,8 @@ fn byte(text: &str, at: &Value) -> usize {
     let line: usize = text.split_inclusive('\n').take(at["line"].as_u64().unwrap() as usize).map(str::len).sum();
     let rest = text.get(line..).unwrap_or_default();
     let units = at["character"].as_u64().unwrap() as usize;
-    let column: usize = rest.chars().scan(0, |seen, c| (*seen < units).then(|| (*seen += c.len_utf16(), c.len_utf8()).1)).sum();
+    let column: usize =
+        rest.chars().scan(0, |seen, c| (*seen < units).then(|| (*seen += c.len_utf16(), c.len_utf8()).1)).sum();
     line + column
 }
 
@@ -275,7 +276,8 @@ fn refactorings_anywhere_in_examples_keep_their_runs() {
             for action in refactorings(&mut client, &json!({ "start": place, "end": place })) {
                 let after = applied(&files, &action);
                 assert_eq!(trace(&after, &inputs), before, "{name}: {}\n{}", action["title"], after[PROGRAM]);
-                *kinds.entry(action["title"].as_str().unwrap().split('`').next().unwrap().to_string()).or_default() += 1;
+                *kinds.entry(action["title"].as_str().unwrap().split('`').next().unwrap().to_string()).or_default() +=
+                    1;
             }
         }
         assert!(client.stop());
@@ -285,7 +287,8 @@ fn refactorings_anywhere_in_examples_keep_their_runs() {
 
 #[test]
 fn an_editor_that_resolves_actions_gets_the_edits_of_large_programs_later() {
-    let text = format!("entity Hero {{\n    mode a {{ y'' = -400 }}\n}}\n{}", "// a line of a long text\n".repeat(4_000));
+    let text =
+        format!("entity Hero {{\n    mode a {{ y'' = -400 }}\n}}\n{}", "// a line of a long text\n".repeat(4_000));
     let capabilities = json!({ "textDocument": { "codeAction": { "resolveSupport": { "properties": ["edit"] } } } });
     let mut client = Client::start(&[], capabilities);
     client.open(&uri(PROGRAM), &text);
@@ -295,7 +298,9 @@ fn an_editor_that_resolves_actions_gets_the_edits_of_large_programs_later() {
     assert_eq!(constant["edit"], Value::Null);
     let resolved = client.request("codeAction/resolve", constant.clone()).unwrap();
     let after = applied(&Files::from([(PROGRAM.to_string(), text)]), &resolved);
-    assert!(after[PROGRAM].starts_with("const new_constant = 400\n\nentity Hero {\n    mode a { y'' = -new_constant }\n"));
+    assert!(
+        after[PROGRAM].starts_with("const new_constant = 400\n\nentity Hero {\n    mode a { y'' = -new_constant }\n")
+    );
     client.change(&uri(PROGRAM), json!([{ "text": "entity A { }\n" }]));
     assert_eq!(client.request("codeAction/resolve", constant.clone()).unwrap_err().0, -32803);
     assert!(client.stop());

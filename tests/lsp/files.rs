@@ -43,7 +43,8 @@ fn names_of_other_files_come_with_their_import() {
     client.change(&uri("a.hyped"), json!([{ "text": text }]));
     let params = json!({ "textDocument": { "uri": uri("a.hyped") }, "range": range, "context": { "diagnostics": [] } });
     let actions = client.request("textDocument/codeAction", params).unwrap();
-    let titles: Vec<&str> = actions.as_array().unwrap().iter().map(|action| action["title"].as_str().unwrap()).collect();
+    let titles: Vec<&str> =
+        actions.as_array().unwrap().iter().map(|action| action["title"].as_str().unwrap()).collect();
     assert!(titles.contains(&"import `parts/slime.hyped`"), "{titles:?}");
     assert!(titles.contains(&"declare `entity Slime`"), "{titles:?}");
     assert!(client.stop());
@@ -99,7 +100,11 @@ fn sides_units_and_tiles_have_hovers() {
 #[test]
 fn findings_of_files_that_are_not_open_are_shown_on_request() {
     let disk = super::client::Memory(
-        [("/game/bad.hyped".into(), "entity A { x' = sped }\n".to_string()), ("/game/good.hyped".into(), String::new())].into(),
+        [
+            ("/game/bad.hyped".into(), "entity A { x' = sped }\n".to_string()),
+            ("/game/good.hyped".into(), String::new()),
+        ]
+        .into(),
     );
     let options = json!({ "workspaceDiagnostics": true });
     let mut client = Client::start_with(std::sync::Arc::new(disk), json!({}), options);

@@ -19,8 +19,20 @@ const PATH: &str = "typed.hyped";
 const OTHER_WORDS: &[&str] = &["left", "right", "above", "below", "rect", "circle", "empty", "x", "y"];
 
 /// Words before a name that is declared there.
-const DECLARING: &[&str] =
-    &["entity", "mode", "group", "param", "button", "axis", "discrete", "continuous", "condition", "signal", "chance", "as"];
+const DECLARING: &[&str] = &[
+    "entity",
+    "mode",
+    "group",
+    "param",
+    "button",
+    "axis",
+    "discrete",
+    "continuous",
+    "condition",
+    "signal",
+    "chance",
+    "as",
+];
 
 /// The words of a text, with where they begin: without those in comments and quotes.
 fn words(text: &str) -> Vec<(usize, &str)> {
@@ -123,7 +135,9 @@ fn typed(text: &str) -> Count {
     let mut last = "";
     for (at, word) in words(text) {
         // `mode left`, `-> left`, `as g`: a word of the language can be a name.
-        let is_named = DECLARING.contains(&last) || text[..at].trim_end().ends_with("->");
+        let so_far = text[..at].rsplit('\n').next().unwrap_or_default();
+        let in_set = so_far.trim_start().starts_with("discrete") && so_far.contains('{') && !so_far.contains('}');
+        let is_named = DECLARING.contains(&last) || text[..at].trim_end().ends_with("->") || in_set;
         last = word;
         let is_new = (!language.contains(word) || is_named) && !known.contains(word);
         known.insert(word);
@@ -185,8 +199,9 @@ fn typing_the_examples() {
     let (mut all, mut by_pattern) = (Count::default(), BTreeMap::<String, usize>::new());
     for path in crate::support::files("examples", "hyped") {
         let text = std::fs::read_to_string(&path).unwrap();
-        for entity in entities(&text).iter().filter(|entity| (20..120).contains(&entity.lines().count())) {
-            let count = typed(entity);
+        let constants: Vec<&str> = text.lines().filter(|line| line.starts_with("const ")).collect();
+        for entity in entities(&text).iter().filter(|entity| (40..120).contains(&entity.lines().count())) {
+            let count = typed(&format!("{}\n{entity}", constants.join("\n")));
             let name = entity.lines().next().unwrap();
             println!("{:60} {:4} {:4} {:4}", name, count.positions, count.first, count.among_three);
             all.positions += count.positions;
@@ -195,12 +210,24 @@ fn typing_the_examples() {
             for miss in count.misses {
                 let last = miss.before.trim_start().split_whitespace().next_back().unwrap_or_default().to_string();
                 *by_pattern.entry(format!("{last} ⇒ {}", miss.wanted)).or_default() += 1;
-                println!("    {}: {} ⇒ {} {:?} {:?}", miss.line, miss.before.trim(), miss.wanted, miss.place, miss.first);
+                println!(
+                    "    {}: {} ⇒ {} {:?} {:?}",
+                    miss.line,
+                    miss.before.trim(),
+                    miss.wanted,
+                    miss.place,
+                    miss.first
+                );
             }
         }
     }
     let percent = |part: usize| part as f64 * 100.0 / all.positions as f64;
-    println!("{} positions: first {:.1} %, in three {:.1} %", all.positions, percent(all.first), percent(all.among_three));
+    println!(
+        "{} positions: first {:.1} %, in three {:.1} %",
+        all.positions,
+        percent(all.first),
+        percent(all.among_three)
+    );
     let mut patterns: Vec<_> = by_pattern.into_iter().collect();
     patterns.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     patterns.iter().take(60).for_each(|(pattern, count)| println!("{count:4} {pattern}"));

@@ -233,10 +233,9 @@ impl Fact for UncarriedTag {
         let (help, meant) = match self.elsewhere {
             None => {
                 let unasked = self.unasked.into_iter();
-                return unasked
-                    .fold(d, |d, (tag, at)| {
-                        d.and(at, format!("nothing asks for `{tag}`, which stands here")).or_write(self.at, tag)
-                    });
+                return unasked.fold(d, |d, (tag, at)| {
+                    d.and(at, format!("nothing asks for `{tag}`, which stands here")).or_write(self.at, tag)
+                });
             }
             Some(Elsewhere::Side(side)) => {
                 ("the sides are `left`, `right`, `above` and `below`".to_string(), Some(side.to_string()))
@@ -328,9 +327,11 @@ impl Fact for UnpairedTouch {
         match mine.first() {
             Some(tag) => {
                 let line = |response: &str| format!("collide {tag} with {other}: {response}");
-                d.help(format!("add `{}`", line("sense")))
-                    .or_add(BlockKind::World, span, line("sense"))
-                    .or_add(BlockKind::World, span, line("block"))
+                d.help(format!("add `{}`", line("sense"))).or_add(BlockKind::World, span, line("sense")).or_add(
+                    BlockKind::World,
+                    span,
+                    line("block"),
+                )
             }
             None => d,
         }

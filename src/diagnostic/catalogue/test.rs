@@ -64,18 +64,14 @@ impl Fact for BadTest {
                     format!("a time lies between two steps of {numerator}/{denominator} s"),
                     "there is no state at this time",
                 )
-                .help(format!(
-                    "the steps beside it are at {} and {}",
-                    time(before),
-                    time(before.saturating_add(1))
-                ))
+                .help(format!("the steps beside it are at {} and {}", time(before), time(before.saturating_add(1))))
                 .or_write(at, format!("{before}frames"))
                 .or_write(at, format!("{}frames", before.saturating_add(1)))
             }
             WhyBadTest::NoTime => new("a time of a test is out of range".into(), "0 s to 100,000,000 steps"),
-            WhyBadTest::BadSeed => {
-                new("a seed is no whole number".into(), "from 0 to 18446744073709551615").help("write `chance seed 7`").or_write(at, "7")
-            }
+            WhyBadTest::BadSeed => new("a seed is no whole number".into(), "from 0 to 18446744073709551615")
+                .help("write `chance seed 7`")
+                .or_write(at, "7"),
             WhyBadTest::NeededBy(word) => {
                 new(format!("`not without` does not fit `{word}`"), "only `reachable` has it")
                     .help("`reachable exit not without key` claims that there is a way, and none without the key")

@@ -112,7 +112,8 @@ impl Fact for GoalByValue {
         let d = Diagnostic::new(Code::GoalByValue, format!("the goal `{}` is never reached", self.name));
         let d = d.at(self.at, "proven: it holds in no state, whatever the inputs");
         let d = self.reasons.into_iter().fold(d, |d, (at, reason)| d.and(at, reason));
-        d.or_remove("the goal", self.at).help("`hypedc reach` tells how near the world comes to it, and what bars the way")
+        d.or_remove("the goal", self.at)
+            .help("`hypedc reach` tells how near the world comes to it, and what bars the way")
     }
 }
 

@@ -47,8 +47,9 @@ pub enum WhyNoWrap {
 impl Fact for BadWrap {
     fn into_diagnostic(self) -> Diagnostic {
         let BadWrap { at, space, why } = self;
-        let new =
-            |message: String, label: &str| Diagnostic::new(Code::BadWrap, message).at(at, label).or_remove("`wrap`", at);
+        let new = |message: String, label: &str| {
+            Diagnostic::new(Code::BadWrap, message).at(at, label).or_remove("`wrap`", at)
+        };
         match why {
             WhyNoWrap::Twice(other) => new(format!("`{space}` wraps already"), "a second time").and(other, "here"),
             WhyNoWrap::NoBorders => new(format!("`{space}` has no borders to be made one"), "how far is it around?")

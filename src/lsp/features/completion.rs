@@ -8,11 +8,12 @@ use crate::diagnostic::words::SIGNATURES;
 use crate::ir::Side;
 use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
+use crate::syntax::is_reserved;
 use crate::syntax::occurrence::NameKind;
 
 use super::actions::create::relative;
-use super::completion_order::{UNDECLARED, ordered};
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
+use super::completion_order::{UNDECLARED, ordered};
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::{Block, CursorContext};
 use crate::lsp::text::lexer::{Kind, tokens};
@@ -364,6 +365,14 @@ impl CompletionCollector<'_> {
             }
             ("follow", _) => self.words(&["links"]),
             ("directions", "envelope") => self.words(&["any"]),
+            ("(" | ",", "envelope") if !cursor.statement.contains(&"by") => {
+                let vars = own.into_iter().flat_map(|e| e.vars.iter());
+                vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
+            }
+            ("(" | ",", "envelope") if cursor.calls.last().is_none_or(|call| call.name == "by") => {
+                let axes = own.into_iter().flat_map(|e| e.axes.iter());
+                axes.for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
+            }
             ("envelope" | "clamp", _) => {
                 let vars = own.into_iter().flat_map(|e| e.vars.iter());
                 vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
@@ -412,8 +421,17 @@ impl CompletionCollector<'_> {
         }
         let code: &str = self.code;
         let text = code.get(item.start..cursor.word.start).unwrap_or_default();
-        let words = tokens(text).into_iter().filter(|token| token.kind == Kind::Word);
-        let mut names: BTreeSet<&str> = words.map(|token| token.text(text)).filter(|word| !is_keyword(word)).collect();
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        let mut last = "";
+        for token in tokens(text).iter().filter(|token| token.kind != Kind::Comment) {
+            let word = token.text(text);
+            // A word of the language is a name in a list.
+            let is_name = !is_keyword(word) || matches!(last, "," | "->") && !is_reserved(word);
+            if token.kind == Kind::Word && is_name {
+                names.insert(word);
+            }
+            last = word;
+        }
         for program in self.programs.iter().take(1) {
             for o in &program.ide.occurrences {
                 names.remove(program.name(o));
@@ -449,9 +467,8 @@ impl CompletionCollector<'_> {
             .filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline))
             .map(|token| token.text(text))
             .collect();
-        let follow = |word: &str| -> Vec<&str> {
-            all.windows(2).filter(|pair| pair[0] == word).map(|pair| pair[1]).collect()
-        };
+        let follow =
+            |word: &str| -> Vec<&str> { all.windows(2).filter(|pair| pair[0] == word).map(|pair| pair[1]).collect() };
         let declared = follow("mode");
         for target in follow("->").into_iter().filter(|target| !declared.contains(target)) {
             self.add(0, target, CompletionKind::Mode, "an edge leads to it");

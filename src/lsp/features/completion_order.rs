@@ -22,7 +22,7 @@ const CONDITIONS: &[&str] =
     &["touching", "timer", "not", "in", "pressed", "y", "x", "entering", "held", "received", "near", "any", "lost"];
 
 /// Functions in values, the most frequent first.
-const VALUES: &[&str] = &["if", "min", "max", "clamp", "abs", "sign", "floor", "mod", "sin", "cos"];
+const VALUES: &[&str] = &["if", "min", "max", "clamp", "abs", "sin", "cos", "sign", "floor", "mod"];
 
 /// Parts of names that tell a dimension.
 const HINTS: &[(&str, &str)] = &[
@@ -93,7 +93,8 @@ struct Order<'a> {
 }
 
 /// Words before a name that is declared there.
-const DECLARING: &[&str] = &["param", "button", "axis", "mode", "continuous", "discrete", "chance", "condition", "signal", "ref", "place"];
+const DECLARING: &[&str] =
+    &["param", "button", "axis", "mode", "continuous", "discrete", "chance", "condition", "signal", "ref", "place"];
 
 impl<'a> Order<'a> {
     fn new(of: &'a CompletionCollector<'a>, cursor: &'a CursorContext<'a>, own: Option<&'a Entity>) -> Self {
@@ -160,7 +161,9 @@ impl<'a> Order<'a> {
                     uses.after.push(last_word.to_string());
                 }
                 _ => {
-                    if word == "=" && let Some((first, _, flows)) = open.last_mut() {
+                    if word == "="
+                        && let Some((first, _, flows)) = open.last_mut()
+                    {
                         *flows += usize::from(!DECLARING.contains(first));
                     }
                     at_start = false;
@@ -220,18 +223,21 @@ impl<'a> Order<'a> {
             }
             _ => {}
         }
-        if matches!(first, "collide" | "collider" | "kinematic" | "rect" | "look")
-            && item.kind == CompletionKind::Value
+        if matches!(first, "collide" | "collider" | "kinematic" | "rect" | "look") && item.kind == CompletionKind::Value
         {
             return self.tag(label, first);
         }
         let fixed: &[&str] = match last {
             "clamp" => &["y", "x"],
-            "envelope" => &["x", "y"],
+            "envelope" | "(" if first == "envelope" => &["x", "y"],
+            "," if first == "envelope" && !self.cursor.statement.contains(&"by") => &["y", "x"],
             ":" if matches!(first, "collider" | "kinematic") => &["rect"],
             "attack" | "decay" | "release" => &["accel", "instant", "over", "hold"],
             _ => &[],
         };
+        if first == "envelope" && item.detail == "axis" {
+            return (0, self.by_use(label));
+        }
         if let Some(at) = fixed.iter().position(|known| *known == label) {
             return (0, at);
         }
@@ -252,7 +258,8 @@ impl<'a> Order<'a> {
         let word = item.label.split(' ').next().unwrap_or_default();
         let order = usual_order(block);
         let place = |word: &str| order.iter().position(|known| *known == word);
-        let is_name = matches!(item.kind, CompletionKind::Variable | CompletionKind::Constant | CompletionKind::Property);
+        let is_name =
+            matches!(item.kind, CompletionKind::Variable | CompletionKind::Constant | CompletionKind::Property);
         if block == Some(Block::Updates) {
             let guard = self.cursor.blocks.last().map_or(0, |block| block.start);
             let in_guard = self.of.code.get(guard..self.cursor.word.start).is_some_and(|text| is_word_of(text, word));
@@ -266,7 +273,9 @@ impl<'a> Order<'a> {
             };
         }
         if is_name {
-            return (5, self.by_recency(word));
+            // `mode falling { y'' = gravity }`
+            let begins = block == Some(Block::Mode) && self.statement_before.is_empty() && self.cursor.word.is_empty();
+            return (if begins && word == "y" { 0 } else { 5 }, self.by_recency(word));
         }
         // A snippet comes before its keyword.
         let is_snippet = usize::from(item.kind != CompletionKind::Snippet);
@@ -277,7 +286,17 @@ impl<'a> Order<'a> {
         // What comes before the last statement in the usual order is less likely.
         let is_rare = matches!(
             word,
-            "look" | "ref" | "continuous" | "chance" | "signal" | "kinematic" | "invariant" | "use" | "envelope" | "follow" | "spawn"
+            "look"
+                | "ref"
+                | "continuous"
+                | "chance"
+                | "signal"
+                | "kinematic"
+                | "invariant"
+                | "use"
+                | "envelope"
+                | "follow"
+                | "spawn"
         );
         let distance = if at >= from { at - from } else { order.len() + at };
         let distance = distance + if is_rare && self.statement_before != word { order.len() } else { 0 };
@@ -311,9 +330,8 @@ impl<'a> Order<'a> {
 
     fn own_tags(&self) -> Vec<&str> {
         let own = self.own.into_iter().flat_map(|e| e.colliders.iter().flat_map(|c| c.tags.iter()));
-        let names = own.filter_map(|tag| {
-            self.of.checked().find_map(|checked| checked.tags.get(*tag)).map(|name| &*name.text)
-        });
+        let names =
+            own.filter_map(|tag| self.of.checked().find_map(|checked| checked.tags.get(*tag)).map(|name| &*name.text));
         names.collect()
     }
 
@@ -480,7 +498,8 @@ impl<'a> Order<'a> {
         }
         self.of.checked().find_map(|checked| {
             let (id, entity) = checked.entities.pairs().find(|(_, e)| e.name.text == own.name.text)?;
-            let param = entity.params.find(|p| p.name.text == name).and_then(|p| checked.dimensions.params.get(&(id, p)));
+            let param =
+                entity.params.find(|p| p.name.text == name).and_then(|p| checked.dimensions.params.get(&(id, p)));
             let var = || entity.vars.find(|v| v.name.text == name).and_then(|v| checked.dimensions.vars.get(&(id, v)));
             param.or_else(var).cloned()
         })
@@ -508,7 +527,8 @@ impl<'a> Order<'a> {
         };
         let mut last = end.checked_sub(1)?;
         // A sign does not matter.
-        while words.get(last) == Some(&"-") && last > 0 && is_operator(words.get(last - 1).copied().unwrap_or_default()) {
+        while words.get(last) == Some(&"-") && last > 0 && is_operator(words.get(last - 1).copied().unwrap_or_default())
+        {
             last -= 1;
         }
         match words.get(last).copied()? {
@@ -518,7 +538,9 @@ impl<'a> Order<'a> {
             "accel" => self.enveloped(1),
             "sustain" | "to" => self.enveloped(0),
             "over" | "for" => Some("s".into()),
-            "(" | "," if self.cursor.calls.last().is_some_and(|call| matches!(call.name, "min" | "max" | "clamp" | "if")) => {
+            "(" | ","
+                if self.cursor.calls.last().is_some_and(|call| matches!(call.name, "min" | "max" | "clamp" | "if")) =>
+            {
                 self.assigned_dimension()
             }
             _ => None,
@@ -549,7 +571,25 @@ impl<'a> Order<'a> {
 }
 
 fn is_operator(word: &str) -> bool {
-    matches!(word, "=" | ":=" | "+=" | "-=" | "<" | "<=" | ">" | ">=" | "==" | "!=" | "in" | ".." | "accel" | "sustain" | "to" | "(" | ",")
+    matches!(
+        word,
+        "=" | ":="
+            | "+="
+            | "-="
+            | "<"
+            | "<="
+            | ">"
+            | ">="
+            | "=="
+            | "!="
+            | "in"
+            | ".."
+            | "accel"
+            | "sustain"
+            | "to"
+            | "("
+            | ","
+    )
 }
 
 /// The dimension that a name tells.

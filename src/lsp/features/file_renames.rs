@@ -34,7 +34,8 @@ pub(in crate::lsp) fn followed(view: &View, renames: &[(PathBuf, PathBuf)]) -> V
                 let stays = target == link.target && from.parent() == path.parent();
                 let Some(new_text) = relative(&from, &target).filter(|_| !stays) else { continue };
                 if text.code().get(link.bytes.clone()) != Some(new_text.as_str()) {
-                    let at = Location { path: path.to_path_buf(), text: std::sync::Arc::clone(&text), bytes: link.bytes };
+                    let at =
+                        Location { path: path.to_path_buf(), text: std::sync::Arc::clone(&text), bytes: link.bytes };
                     edits.push(Edit { at, new_text });
                 }
             }

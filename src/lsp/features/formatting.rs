@@ -22,8 +22,7 @@ pub(in crate::lsp) fn formatting(
 /// before. The line of the cursor stays, so that its indentation is not lost.
 pub(in crate::lsp) fn on_type(text: &Text, line: u32, typed: &str) -> Option<Vec<(Range<usize>, String)>> {
     let code = text.code();
-    let starts: Vec<usize> =
-        std::iter::once(0).chain(code.match_indices('\n').map(|(at, _)| at + 1)).collect();
+    let starts: Vec<usize> = std::iter::once(0).chain(code.match_indices('\n').map(|(at, _)| at + 1)).collect();
     let start = starts.get(line as usize).copied()?;
     if typed == "}" {
         let end = starts.get(line as usize + 1).copied().unwrap_or(code.len());
@@ -69,7 +68,11 @@ fn formatted(text: &Text) -> Option<String> {
 
 /// One edit per hunk of changed lines, so that cursors and folds elsewhere are kept. With `lines`, only hunks that
 /// touch these lines.
-pub(in crate::lsp) fn edits(text: &Text, new: &str, lines: Option<&RangeInclusive<u32>>) -> Vec<(Range<usize>, String)> {
+pub(in crate::lsp) fn edits(
+    text: &Text,
+    new: &str,
+    lines: Option<&RangeInclusive<u32>>,
+) -> Vec<(Range<usize>, String)> {
     let old: Vec<&str> = text.code().split_inclusive('\n').collect();
     let new: Vec<&str> = new.split_inclusive('\n').collect();
     let mut out = Vec::new();

@@ -62,7 +62,8 @@ fn word(code: &str, byte: usize) -> Option<(Range<usize>, String)> {
     let markdown = match token.kind {
         Kind::Number => unit(text)?,
         Kind::Word if text == "empty" && matches!(cursor.block(), Some(Block::Tiles | Block::Kinds)) => {
-            "`empty`: no tag: nothing touches the tile, and nothing is stopped by it.\n\n```hyped\n'.': empty\n```".into()
+            "`empty`: no tag: nothing touches the tile, and nothing is stopped by it.\n\n```hyped\n'.': empty\n```"
+                .into()
         }
         Kind::Word => {
             cursor.calls.last().filter(|call| call.name == "touching" && call.argument > 0)?;

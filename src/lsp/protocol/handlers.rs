@@ -13,7 +13,9 @@ use super::to_protocol::{self, ToProtocol};
 use super::uri::path_of;
 use crate::lsp::documents::Document;
 use crate::lsp::features::hierarchy::{self, Call};
-use crate::lsp::features::{actions, completion, formatting as layout, hints, hover, navigate, rename, signature, structure};
+use crate::lsp::features::{
+    actions, completion, formatting as layout, hints, hover, navigate, rename, signature, structure,
+};
 use crate::lsp::location::FileOffset;
 
 /// The result of a handler.
@@ -103,10 +105,7 @@ pub(super) fn code_actions(context: &Context, params: types::CodeActionParams) -
 }
 
 /// The edits of an action that was listed without them.
-pub(super) fn resolve_action(
-    context: &Context,
-    action: types::CodeAction,
-) -> Answer<types::CodeActionResolveRequest> {
+pub(super) fn resolve_action(context: &Context, action: types::CodeAction) -> Answer<types::CodeActionResolveRequest> {
     let place = action.data.as_ref().and_then(|data| {
         let at = |key: &str| Some(data.get(key)?.as_u64()? as usize);
         let uri = types::Uri(data.get("uri")?.as_str()?.into());

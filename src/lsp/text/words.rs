@@ -106,23 +106,24 @@ pub(in crate::lsp) fn usual_order(block: Option<Block>) -> &'static [&'static st
             "else",
             "follow",
         ],
-        Some(Block::World) => &[
-            "step",
-            "collide",
-            "limit",
-            "look",
-            "tiles",
-            "space",
-            "player",
-            "condition",
-            "goal",
-            "never",
-            "test",
-        ],
-        Some(Block::Space) => &["bounds", "wrap", "map", "rect", "place", "link"],
-        Some(Block::Mode) => {
-            &["condition", "use", "", "envelope", "follow", "when", "else", "mode", "initial", "spawn", "destroy", "send"]
+        Some(Block::World) => {
+            &["step", "collide", "limit", "look", "tiles", "space", "player", "condition", "goal", "never", "test"]
         }
+        Some(Block::Space) => &["bounds", "wrap", "map", "rect", "place", "link"],
+        Some(Block::Mode) => &[
+            "condition",
+            "use",
+            "",
+            "envelope",
+            "follow",
+            "when",
+            "else",
+            "mode",
+            "initial",
+            "spawn",
+            "destroy",
+            "send",
+        ],
         Some(Block::Group) => &["mode", "initial"],
         Some(Block::Envelope) => &["attack", "decay", "sustain", "release", "while"],
         Some(Block::Test) => &["inputs", "chance", "expect", "reachable", "unreachable", "never", "unfound"],

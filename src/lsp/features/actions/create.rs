@@ -59,7 +59,11 @@ pub(in crate::lsp) fn import(code: &str, path: &str) -> (Range<usize>, String) {
 }
 
 /// A declaration of a file of the workspace: its kind, its name, and the path by which a file imports it.
-pub(in crate::lsp) fn importable(view: &View, snapshot: &Snapshot, path: &Path) -> BTreeSet<(NameKind, String, String)> {
+pub(in crate::lsp) fn importable(
+    view: &View,
+    snapshot: &Snapshot,
+    path: &Path,
+) -> BTreeSet<(NameKind, String, String)> {
     let mut out = BTreeSet::new();
     for (root, state) in view.programs.iter().filter(|(root, _)| snapshot.file(root).is_none()) {
         let other = &*state.current;
@@ -225,7 +229,8 @@ impl Creation<'_> {
         draft.edit(self.path, at, new);
         let asked = self.blocks.code.get(world.bytes.clone()).unwrap_or_default();
         let collides = asked.lines().map(str::trim).filter(|line| line.starts_with("collide "));
-        let is_word = |line: &str, word: &str| line.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == word);
+        let is_word =
+            |line: &str, word: &str| line.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == word);
         let mut title = format!("add `{rect}`");
         if !collides.into_iter().any(|line| is_word(line, tag) && is_word(line, &own)) {
             let line = format!("collide {own} with {tag}: block");
@@ -267,9 +272,9 @@ impl Creation<'_> {
         let written = self.written().trim_matches('"');
         let others: Vec<String> = self.view.programs.keys().filter_map(|other| relative(self.path, other)).collect();
         let name = |path: &str| path.rsplit('/').next().unwrap_or(path).to_string();
-        let near = others.iter().filter(|other| {
-            similar(&name(written), [name(other).as_str()]).is_some() || name(other) == name(written)
-        });
+        let near = others
+            .iter()
+            .filter(|other| similar(&name(written), [name(other).as_str()]).is_some() || name(other) == name(written));
         let mut out: Vec<Titled> = near
             .take(MAX_SIMILAR)
             .map(|other| self.titled(format!("import `{other}`"), self.at.clone(), format!("\"{other}\"")))

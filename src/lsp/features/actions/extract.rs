@@ -74,8 +74,7 @@ impl Extraction<'_> {
     }
 
     fn constant(&self, value: &Range<usize>) -> Option<Candidate> {
-        let item =
-            self.blocks.innermost(value, &[Rule::entity, Rule::behavior, Rule::world, Rule::constant])?;
+        let item = self.blocks.innermost(value, &[Rule::entity, Rule::behavior, Rule::world, Rule::constant])?;
         let name = unused(self.blocks.code, "new_constant");
         let statement = format!("const {name} = {}", self.text(value));
         let constants = self.blocks.inside(&(0..value.start)).filter(|node| node.rule == Rule::constant);

@@ -151,12 +151,7 @@ pub(in crate::lsp) fn code_actions<'v>(
 }
 
 /// The edits of a refactoring that was listed without being tried.
-pub(in crate::lsp) fn resolved(
-    view: &View,
-    path: &Path,
-    bytes: &Range<usize>,
-    title: &str,
-) -> Result<Edits, Refusal> {
+pub(in crate::lsp) fn resolved(view: &View, path: &Path, bytes: &Range<usize>, title: &str) -> Result<Edits, Refusal> {
     let state = view.programs_with(path).next();
     let chosen = state.and_then(|state| {
         let snapshot = &*state.current;
@@ -173,15 +168,11 @@ fn size(snapshot: &Snapshot) -> usize {
 }
 
 /// The ways to mend a finding that hold when they are tried.
-fn mended<'v>(
-    view: &View,
-    snapshot: &'v Snapshot,
-    finding: &'v Diagnostic,
-    tried: &mut usize,
-) -> Vec<CodeAction<'v>> {
-    let suggested = finding.suggestions.iter().filter_map(|suggestion| {
-        Some((suggestion.title.clone(), suggest::draft(view, snapshot, suggestion)?))
-    });
+fn mended<'v>(view: &View, snapshot: &'v Snapshot, finding: &'v Diagnostic, tried: &mut usize) -> Vec<CodeAction<'v>> {
+    let suggested = finding
+        .suggestions
+        .iter()
+        .filter_map(|suggestion| Some((suggestion.title.clone(), suggest::draft(view, snapshot, suggestion)?)));
     let drafts: Vec<_> = suggested.chain(create::created(view, snapshot, finding)).collect();
     let mut actions: Vec<CodeAction<'v>> = Vec::new();
     for (title, draft) in drafts {

@@ -59,7 +59,8 @@ impl Rewriting<'_> {
             self.blocks.around(&(start..start + 1)).find(|node| node.rule == Rule::paren && node.bytes.start == start)
         })?;
         let before = self.blocks.code.get(..paren.bytes.start)?.trim_end();
-        let not = before.strip_suffix("not").filter(|rest| rest.ends_with(|c: char| !c.is_alphanumeric() && c != '_'))?;
+        let not =
+            before.strip_suffix("not").filter(|rest| rest.ends_with(|c: char| !c.is_alphanumeric() && c != '_'))?;
         let inside = self.blocks.inside(&paren.bytes).find(|node| node.rule == Rule::expression)?;
         let negated = self.negated(inside)?;
         let at = not.len()..paren.bytes.end;
@@ -199,7 +200,8 @@ fn is_negation(text: &str, negated: &str) -> bool {
     collect_atoms(&a, text, &mut atoms);
     collect_atoms(&b, negated, &mut atoms);
     let all = 1_u32.checked_shl(atoms.len() as u32).unwrap_or(0);
-    atoms.len() <= MAX_ATOMS && (0..all).all(|answers| value(&a, text, &atoms, answers) != value(&b, negated, &atoms, answers))
+    atoms.len() <= MAX_ATOMS
+        && (0..all).all(|answers| value(&a, text, &atoms, answers) != value(&b, negated, &atoms, answers))
 }
 
 /// A question without an operator that joins others, and whether its answer is the opposite one.

@@ -84,11 +84,7 @@ fn add(draft: &mut Draft, view: &View, snapshot: &Snapshot, change: &Change) -> 
 }
 
 /// What is removed, and the insertion into the entity.
-fn to_entity(
-    blocks: &Blocks<'_>,
-    at: &Range<usize>,
-    for_mode: bool,
-) -> Option<(Range<usize>, Range<usize>, String)> {
+fn to_entity(blocks: &Blocks<'_>, at: &Range<usize>, for_mode: bool) -> Option<(Range<usize>, Range<usize>, String)> {
     let statement = blocks.statement(at)?;
     let mode = blocks.innermost(&statement.bytes, &[Rule::mode])?;
     let mut new = blocks.code.get(statement.bytes.clone())?.to_string();

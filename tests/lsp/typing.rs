@@ -232,3 +232,27 @@ fn typing_the_examples() {
     patterns.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     patterns.iter().take(60).for_each(|(pattern, count)| println!("{count:4} {pattern}"));
 }
+
+/// Entities that were written after the order of items was settled.
+#[test]
+fn typing_new_entities() {
+    let mut all = Count::default();
+    for path in crate::support::files("tests/lsp/sessions", "hyped") {
+        let count = typed(&std::fs::read_to_string(&path).unwrap());
+        println!("{}: {} {} {}", path.display(), count.positions, count.first, count.among_three);
+        for miss in &count.misses {
+            println!("    {}: {} ⇒ {} {:?} {:?}", miss.line, miss.before.trim(), miss.wanted, miss.place, miss.first);
+        }
+        assert!(count.positions >= 150, "{}", path.display());
+        all.positions += count.positions;
+        all.first += count.first;
+        all.among_three += count.among_three;
+    }
+    let percent = |part: usize| part as f64 * 100.0 / all.positions as f64;
+    println!(
+        "{} positions: first {:.1} %, in three {:.1} %",
+        all.positions,
+        percent(all.first),
+        percent(all.among_three)
+    );
+}

@@ -416,7 +416,9 @@ impl CompletionCollector<'_> {
     /// bottom uses some names again before they are declared.
     fn undeclared(&mut self, cursor: &CursorContext<'_>) {
         let Some(item) = cursor.blocks.first().filter(|_| !cursor.statement.is_empty()) else { return };
-        if ends_operand(cursor) || cursor.previous(1) == "." {
+        let before = cursor.previous(1);
+        // A new name, or one of which all are known.
+        if ends_operand(cursor) || matches!(before, "." | "mode" | "param" | "button" | "axis") {
             return;
         }
         let code: &str = self.code;
@@ -427,8 +429,12 @@ impl CompletionCollector<'_> {
             let word = token.text(text);
             // A word of the language is a name in a list.
             let is_name = !is_keyword(word) || matches!(last, "," | "->") && !is_reserved(word);
-            if token.kind == Kind::Word && is_name {
+            if token.kind == Kind::Word && is_name && before != "group" {
                 names.insert(word);
+            }
+            // `entering(hurt.yes)`
+            if before == "group" && word == "." && !last.is_empty() {
+                names.insert(last);
             }
             last = word;
         }

@@ -1,12 +1,15 @@
 //! The order of completion items: what the place asks for first. Statements come in their usual order, names by their
 //! dimension and by whether they are still unused, operands by how often they begin a condition.
 
+mod dimension;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::sema::checked::Entity;
 
+use dimension::hint;
+
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
-use super::hover::per_second;
 use crate::lsp::text::cursor::{Block, CursorContext};
 use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::text::words::usual_order;
@@ -23,25 +26,6 @@ const CONDITIONS: &[&str] =
 
 /// Functions in values, the most frequent first.
 const VALUES: &[&str] = &["if", "min", "max", "clamp", "abs", "sin", "cos", "sign", "floor", "mod"];
-
-/// Parts of names that tell a dimension.
-const HINTS: &[(&str, &str)] = &[
-    ("accel", "px/s^2"),
-    ("gravity", "px/s^2"),
-    ("drag", "px/s^2"),
-    ("friction", "px/s^2"),
-    ("speed", "px/s"),
-    ("velocity", "px/s"),
-    ("limit", "px/s"),
-    ("time", "s"),
-    ("delay", "s"),
-    ("duration", "s"),
-    ("cooldown", "s"),
-    ("width", "px"),
-    ("height", "px"),
-    ("distance", "px"),
-    ("reach", "px"),
-];
 
 /// Sorts items: each gets its place as its rank.
 pub(super) fn ordered(
@@ -72,8 +56,9 @@ struct Uses {
     last: usize,
     /// The index of the first one.
     first: usize,
-    /// The words before its occurrences.
+    /// The words before its occurrences, and the two words before them.
     after: Vec<String>,
+    after_both: Vec<String>,
 }
 
 struct Order<'a> {
@@ -118,7 +103,7 @@ impl<'a> Order<'a> {
     fn read(&mut self, before: &str) {
         let start = self.cursor.blocks.first().map_or(0, |block| block.start);
         let text = before.get(start..).unwrap_or_default();
-        let mut last_word = "";
+        let (mut before_last, mut last_word) = ("", "");
         let mut at_start = true;
         let mut is_list = false;
         // Of each open block: the first word of the last statement, that of the last guard, the number of assignments.
@@ -159,6 +144,7 @@ impl<'a> Order<'a> {
                     uses.count += usize::from(!declares);
                     uses.last = self.words;
                     uses.after.push(last_word.to_string());
+                    uses.after_both.push(format!("{before_last} {last_word}"));
                 }
                 _ => {
                     if word == "="
@@ -169,7 +155,7 @@ impl<'a> Order<'a> {
                     at_start = false;
                 }
             }
-            last_word = word;
+            (before_last, last_word) = (last_word, word);
         }
         let (first, guard, flows) = open.last().copied().unwrap_or_default();
         (self.statement_before, self.guard_before, self.flows) = (first.to_string(), guard.to_string(), flows);
@@ -198,10 +184,10 @@ impl<'a> Order<'a> {
         let first = self.cursor.statement.first().copied().unwrap_or_default();
         let last = self.cursor.previous(1);
         if item.is_import() {
-            return (90, 0);
+            return (6_000, 0);
         }
         if item.detail == UNDECLARED {
-            return (80, self.by_recency(label));
+            return (5_000, self.by_recency(label));
         }
         if let Some(call) = self.cursor.calls.last() {
             match call.name {
@@ -400,37 +386,78 @@ impl<'a> Order<'a> {
             };
         }
         let last = self.cursor.previous(1);
-        if last == "or" || last == "not" {
-            // The same question once more.
-            let asked = self.cursor.statement.iter().rev().skip(1).find(|word| CONDITIONS.contains(*word));
-            if last == "or" && asked.is_some_and(|asked| *asked == label) {
-                return (0, 0);
-            }
-        }
-        let has_buttons = self.own.is_some_and(|e| !e.buttons.is_empty());
-        let unused_button = self.own.is_some_and(|e| e.buttons.iter().any(|b| self.is_unused(&b.text)));
+        (1_000 - self.points(item, last).clamp(0, 999) as usize, self.by_use(label))
+    }
+
+    /// How likely an item begins an operand of a condition in an entity: what the entity has, what it asked before, and
+    /// how often a word does.
+    fn points(&self, item: &CompletionItem, last: &str) -> i32 {
+        let label = item.label.as_str();
+        let own = self.own;
+        let has_buttons = own.is_some_and(|e| !e.buttons.is_empty());
+        let unused_button = own.is_some_and(|e| e.buttons.iter().any(|b| self.is_unused(&b.text)));
         let has_tags = !self.own_tags().is_empty() || self.uses.contains_key("collider");
-        let groups = self.own.map_or(0, |e| e.groups.len());
-        let place = CONDITIONS.iter().position(|word| *word == label).unwrap_or(CONDITIONS.len());
+        let groups = own.map_or(0, |e| e.groups.len());
         let is_collider = matches!(self.cursor.statement.first(), Some(&"collider" | &"kinematic"));
         let is_edge = self.cursor.statement.len() == 1 && last == "when";
-        match label {
-            _ if item.detail == "condition" => (usize::from(!self.is_unused(label)) * 4, self.by_use(label)),
-            "in" | "not" if is_collider => (0, usize::from(label == "not")),
-            _ if is_edge && self.follows(label, unused_button) => (0, 0),
-            "not" if last == "and" => (1, 0),
-            "held" if has_buttons && last == "not" => (3, 0),
-            "pressed" | "held" | "released" if !has_buttons => (60, place),
-            "touching" if !has_tags => (60, place),
-            "touching" => (2, place),
-            "entering" | "exiting" if groups < 2 => (60, place),
-            "not" if last == "not" => (60, 0),
-            "timer" if last == "not" => (40, place),
-            _ if place < CONDITIONS.len() => (3, place),
-            _ if item.detail == "axis" => (3, 4),
-            _ if matches!(item.kind, CompletionKind::Variable | CompletionKind::Input) => (4, self.by_use(label)),
-            _ => (50, self.given(item)),
-        }
+        let usual = match label {
+            _ if item.detail == "condition" => {
+                if self.is_unused(label) {
+                    350
+                } else {
+                    120
+                }
+            }
+            "touching" if has_tags => 300,
+            "timer" => 200,
+            "not" => 150,
+            "pressed" if has_buttons => {
+                if unused_button {
+                    250
+                } else {
+                    150
+                }
+            }
+            "in" => {
+                if groups > 1 {
+                    130
+                } else {
+                    100
+                }
+            }
+            "y" | "x" => {
+                if label == "y" {
+                    100
+                } else {
+                    80
+                }
+            }
+            "held" if has_buttons => 80,
+            "entering" if groups > 1 => 60,
+            "received" if own.is_some_and(|e| !e.signals.is_empty()) => 80,
+            "touching" | "pressed" | "held" | "released" | "entering" | "exiting" | "received" => 0,
+            _ if item.detail == "axis" => 110,
+            _ if matches!(item.kind, CompletionKind::Variable | CompletionKind::Input) => 60,
+            "near" | "any" | "lost" => 40,
+            _ => 10,
+        };
+        let here = match (last, label) {
+            _ if is_collider && matches!(label, "in" | "not") => 300,
+            ("not", "not" | "timer" | "true" | "false" | "pressed") => -400,
+            ("not", "held") if has_buttons => 180,
+            ("and", "not") => 150,
+            ("and", "touching") => -150,
+            ("or", _) if self.asked_before(label) => 300,
+            _ if is_edge && self.follows(label, unused_button) => 150,
+            _ => 0,
+        };
+        let times = self.uses.get(label).map_or(0, |uses| uses.after.iter().filter(|word| *word == last).count());
+        usual + here + 100 * times.min(4) as i32
+    }
+
+    /// Whether the condition asks with this word already.
+    fn asked_before(&self, label: &str) -> bool {
+        self.cursor.statement.iter().rev().skip(1).find(|word| CONDITIONS.contains(*word)) == Some(&label)
     }
 
     /// Whether a word begins the guard that most often follows those before it in the mode.
@@ -472,10 +499,14 @@ impl<'a> Order<'a> {
             let is_angle = self.cursor.calls.last().is_some_and(|call| matches!(call.name, "sin" | "cos"));
             let class = match () {
                 () if is_known => 20,
+                () if item.detail == "axis" && self.cursor.previous(1) == "*" => 0,
                 () if is_angle && item.kind != CompletionKind::Variable => class + 2,
                 () => class + 3 * usize::from(is_assigned),
             };
-            return (class, self.by_use(label));
+            // What was written in such a place before.
+            let place = format!("{} {}", self.cursor.previous(2), self.cursor.previous(1));
+            let again = self.uses.get(label).is_some_and(|uses| uses.after_both.contains(&place));
+            return (class, if again && class < 3 { 0 } else { self.by_use(label) });
         }
         let place = VALUES.iter().position(|word| *word == label).unwrap_or(VALUES.len());
         let wanted = self.wanted.as_deref();
@@ -486,115 +517,6 @@ impl<'a> Order<'a> {
             _ => (8, self.given(item)),
         }
     }
-
-    /// The dimension of a name, by the program or by what it is called.
-    fn dimension(&self, name: &str) -> Option<String> {
-        let own = self.own?;
-        if own.discretes.iter().any(|d| d.name.text == name) {
-            return Some("1".into());
-        }
-        if matches!(name, "x" | "y") {
-            return Some("px".into());
-        }
-        self.of.checked().find_map(|checked| {
-            let (id, entity) = checked.entities.pairs().find(|(_, e)| e.name.text == own.name.text)?;
-            let param =
-                entity.params.find(|p| p.name.text == name).and_then(|p| checked.dimensions.params.get(&(id, p)));
-            let var = || entity.vars.find(|v| v.name.text == name).and_then(|v| checked.dimensions.vars.get(&(id, v)));
-            param.or_else(var).cloned()
-        })
-    }
-
-    /// The dimension of a variable with primes.
-    fn of_variable(&self, name: &str, primes: usize) -> Option<String> {
-        Some(per_second(&self.dimension(name)?, primes))
-    }
-
-    /// The dimension of what is written at the cursor: that of what it is assigned to, compared or added with.
-    fn wanted_dimension(&self) -> Option<String> {
-        let words = &self.cursor.statement;
-        let first = words.first().copied().unwrap_or_default();
-        let end = words.len();
-        // The name before an index, with its primes.
-        let variable = |end: usize| {
-            let primes = match words.get(end.checked_sub(1)?).copied()? {
-                "'" => 1,
-                "''" => 2,
-                _ => 0,
-            };
-            let name = words.get(end.checked_sub(1 + usize::from(primes > 0))?).copied()?;
-            if name == "timer" { Some("s".to_string()) } else { self.of_variable(name, primes) }
-        };
-        let mut last = end.checked_sub(1)?;
-        // A sign does not matter.
-        while words.get(last) == Some(&"-") && last > 0 && is_operator(words.get(last - 1).copied().unwrap_or_default())
-        {
-            last -= 1;
-        }
-        match words.get(last).copied()? {
-            "=" | ":=" | "+=" | "-=" | "<" | "<=" | ">" | ">=" | "==" | "!=" => variable(last),
-            "+" | "-" => variable(last).or_else(|| self.assigned_dimension()),
-            "in" | ".." if first == "clamp" => variable(words.iter().position(|w| *w == "in")?),
-            "accel" => self.enveloped(1),
-            "sustain" | "to" => self.enveloped(0),
-            "over" | "for" => Some("s".into()),
-            "(" | ","
-                if self.cursor.calls.last().is_some_and(|call| matches!(call.name, "min" | "max" | "clamp" | "if")) =>
-            {
-                self.assigned_dimension()
-            }
-            _ => None,
-        }
-    }
-
-    /// The dimension of what the statement assigns.
-    fn assigned_dimension(&self) -> Option<String> {
-        let words = &self.cursor.statement;
-        let operator = words.iter().position(|w| matches!(*w, "=" | ":="))?;
-        let primes = match words.get(operator.checked_sub(1)?).copied()? {
-            "'" => 1,
-            "''" => 2,
-            _ => 0,
-        };
-        self.of_variable(words.first()?, primes)
-    }
-
-    /// The dimension of what the envelope around drives, with more primes.
-    fn enveloped(&self, more: usize) -> Option<String> {
-        let block = self.cursor.blocks.iter().rev().find(|block| block.block == Block::Envelope)?;
-        let head = self.of.code.get(block.start..)?.lines().next()?;
-        let variable = head.strip_prefix("envelope")?.trim_start().trim_start_matches('(');
-        let name: String = variable.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-        let primes = variable.get(name.len()..)?.bytes().take_while(|b| *b == b'\'').count();
-        self.of_variable(&name, primes + more)
-    }
-}
-
-fn is_operator(word: &str) -> bool {
-    matches!(
-        word,
-        "=" | ":="
-            | "+="
-            | "-="
-            | "<"
-            | "<="
-            | ">"
-            | ">="
-            | "=="
-            | "!="
-            | "in"
-            | ".."
-            | "accel"
-            | "sustain"
-            | "to"
-            | "("
-            | ","
-    )
-}
-
-/// The dimension that a name tells.
-fn hint(name: &str) -> Option<&'static str> {
-    HINTS.iter().find(|(part, _)| name.contains(part)).map(|(_, dimension)| *dimension)
 }
 
 /// The sides, the most asked for first.

@@ -156,6 +156,11 @@ fn other_answers_of_reach_are_as_their_schemas_say() {
     let explored = ["examples/link.hyped --nodes 200", "examples/mario.hyped --nodes 100 --set Mario.gravity=-900"];
     let all = explored.map(|q| written(&format!("reach --explore --format json {q}")));
     validate("exploration", &all);
+    let layers = [
+        "examples/balloon.hyped --nodes 100 --skill 9,30",
+        "examples/link.hyped --nodes 50 --skill-without hero.keys>0",
+    ];
+    validate("skill", &layers.map(|q| written(&format!("reach --format json {q}"))));
     let sweeps = [
         "examples/balloon.hyped --nodes 100 --set Balloon.lift=20..60/20",
         "examples/balloon.hyped --nodes 100 --set Balloon.lift=20..60/20 --set Balloon.sink=-80..-40/40 --never balloon.x<-9",

@@ -19,6 +19,7 @@ mod pictures;
 mod questions;
 mod reach;
 mod report_pages;
+mod skill;
 mod stop;
 mod stuck;
 mod suite;

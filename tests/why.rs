@@ -213,3 +213,92 @@ fn the_nearest_miss_is_the_least() {
     let Err(RunError::Over(slot, step)) = over else { panic!("{over:?}") };
     assert!(slot == SlotId(0) && why(&sim, &sources, (&left, 0), step, SlotId(0)).is_ok());
 }
+
+/// In space that wraps, where rocks are hit: what is destroyed is named, and what is seen beyond the seam.
+#[test]
+fn what_an_edge_did_is_what_came_of_it() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/asteroids.hyped");
+    let compiled = compile(&path, &Disk);
+    let (program, sources) = (compiled.program.unwrap(), compiled.sources);
+    let sim = Simulator::new(&program, WorldId(0));
+    let inputs = script(&program, &"fire*2 left+thrust*7 -*3 ".repeat(90));
+    let mut steps: Vec<(u64, SlotId)> = Vec::new();
+    let (mut scratch, mut known) = (sim.scratch(), Vec::new());
+    let mut state = sim.initial(&mut scratch).unwrap();
+    for (step, input) in (1..).zip(inputs.inputs()) {
+        let before = state.clone();
+        sim.step(&mut state, &sim.draw(0, step, input), &mut scratch).unwrap();
+        let mut is_hit = false;
+        sim.events(&before, &state, &scratch, &mut |event| is_hit |= matches!(event, Event::Destroyed(_))).unwrap();
+        if is_hit {
+            let actors = sim.taken_edges(&scratch).iter().map(|(slot, _)| (step, *slot));
+            steps.extend(actors);
+            known.push((step, before, state.clone()));
+        }
+    }
+    steps.dedup();
+    assert!(known.len() > 3, "{} steps", known.len());
+    let (mut destroyed, mut received) = (0, 0);
+    for &(step, slot) in steps.iter().take(40) {
+        let (_, before, after) = known.iter().find(|(at, ..)| *at == step).unwrap();
+        let found = why(&sim, &sources, (&inputs, 0), step, slot).unwrap();
+        let named = |name: &str| program.worlds[WorldId(0)].slot_named(name.trim_matches('`')).unwrap();
+        for write in &found.writes {
+            if let Some(name) = write.text.strip_prefix("destroy ") {
+                let target = if name == "self" { slot } else { named(name) };
+                assert!(
+                    sim.instance(before, target).is_alive() && !sim.instance(after, target).is_alive(),
+                    "{write:?}"
+                );
+                destroyed += 1;
+            }
+            if write.text.starts_with("send ") {
+                let to = write.value.as_ref().unwrap();
+                let names = to.strip_prefix("received by ").unwrap_or_else(|| panic!("{write:?}"));
+                assert!(names.split(", ").all(|name| sim.instance(before, named(name)).is_alive()), "{write:?}");
+                received += 1;
+            }
+        }
+    }
+    assert!(destroyed > 3 && received > 3, "{destroyed} {received}");
+}
+
+const SEAM: &str = "entity Hero {
+    param speed = 60
+    axis horizontal
+    collider body: rect(0, 0, 16, 16)
+    x' = speed * horizontal
+    mode free {
+        when touching(body, gate, right) -> held
+    }
+    mode held { }
+}
+entity Gate {
+    collider door, gate: rect(0, 0, 8, 16)
+    mode there { }
+}
+world Ring {
+    step 1/60
+    collide body with gate: block
+    space main {
+        bounds rect(0, 0, 64, 64)
+        wrap horizontal
+        place hero: Hero at (40, 0)
+        place door: Gate at (0, 0)
+    }
+    player 1: hero
+}
+";
+
+#[test]
+fn what_is_touched_beyond_a_seam_has_its_name() {
+    let compiled = compile(Path::new("test.hyped"), &Text(SEAM));
+    let (program, sources) = (compiled.program.unwrap(), compiled.sources);
+    let sim = Simulator::new(&program, WorldId(0));
+    // The door at 0 is at 64, too: 8 px are free on the right.
+    let found = why(&sim, &sources, (&script(&program, "right*20"), 0), 20, SlotId(0)).unwrap();
+    assert_eq!(found.modes[0].mode, "held");
+    let touched: Vec<(&str, &[String])> =
+        found.contacts.iter().map(|found| (found.contact.text.as_str(), found.whom.as_slice())).collect();
+    assert_eq!(touched, [("touching(body, gate, right)", &["`door`".to_string()][..])]);
+}

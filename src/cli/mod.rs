@@ -41,6 +41,7 @@ mod time;
 mod tune;
 mod watches;
 mod why;
+mod without;
 
 use std::io;
 use std::process::ExitCode;

@@ -113,6 +113,7 @@ pub(super) fn run_svg(
         goals: &goals,
         nodes: &[],
         traps: &[],
+        layers: &[],
         run,
         notes: &notes,
         images,

@@ -20,6 +20,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("bounds", closed(bounds::json_schema(), "What `hypedc bounds --format json` writes")),
         ("results", closed(reach::json_schema(), "What `hypedc reach --format json` writes")),
         ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
+        ("skill", closed(reach::skill_schema(), "What `hypedc reach --skill --format json` writes")),
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("stuck", closed(stuck::json_schema(), "What `hypedc stuck --format json` writes")),
         ("tune", closed(tune::json_schema(), "What `hypedc tune --format json` writes")),

@@ -193,6 +193,7 @@ impl ControlSets {
                     reads = reads.with(entity.leaves[*leaf].inputs);
                 }
             }
+            reads.buttons &= !problem.unpressed(player);
             read.push((reads.buttons, u64::from(reads.axes)));
             for button in (0..64).filter(|b| reads.buttons >> b & 1 == 1) {
                 whole &= multiply(&mut all, player, &[|_, _| {}, |p: &mut PlayerInput, b| p.buttons |= 1 << b], button);

@@ -17,5 +17,6 @@ pub fn plan_from_script(problem: &Problem<'_>, script: &Script, after: u64, watc
         return None;
     }
     let cut = script.first(steps);
-    is_held(&cut, after, problem.min_hold()).then_some(Plan { steps, script: cut, after, is_shortest: false })
+    let is_admitted = is_held(&cut, after, problem.min_hold()) && problem.is_unpressed(&cut, after);
+    is_admitted.then_some(Plan { steps, script: cut, after, is_shortest: false })
 }

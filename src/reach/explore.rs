@@ -80,6 +80,22 @@ pub struct Explored {
     pub entities: Vec<CoveredEntity>,
 }
 
+impl Explored {
+    /// Adds what another search has been through in the same world.
+    pub fn add(&mut self, other: &Explored) {
+        let join = |own: &mut [bool], other: &[bool]| own.iter_mut().zip(other).for_each(|(own, other)| *own |= other);
+        for (own, other) in self.spaces.iter_mut().zip(&other.spaces) {
+            own.is_entered |= other.is_entered;
+            join(&mut own.entered, &other.entered);
+            own.tops.iter_mut().zip(&other.tops).for_each(|(own, other)| own.is_covered |= other.is_covered);
+        }
+        for (own, other) in self.entities.iter_mut().zip(&other.entities) {
+            join(&mut own.leaves, &other.leaves);
+            join(&mut own.edges, &other.edges);
+        }
+    }
+}
+
 /// Collects what a search has been through.
 pub struct Explorer {
     explored: Mutex<Explored>,

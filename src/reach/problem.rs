@@ -102,6 +102,8 @@ pub struct Problem<'s> {
     min_hold: u16,
     /// The inputs that a search may use; a search that may not use all proves nothing.
     restriction: Option<Restriction>,
+    /// For each player, the buttons that no input has down: those of other players and of none are free.
+    unpressed: Vec<u64>,
     /// What nature draws where a script leaves it open.
     seed: u64,
     /// Whether the search leaves it open, too.
@@ -137,6 +139,7 @@ impl<'s> Problem<'s> {
             within: None,
             min_hold: 1,
             restriction: None,
+            unpressed: Vec::new(),
             seed: 0,
             is_foretold: false,
             starts: Vec::new(),
@@ -231,6 +234,24 @@ impl<'s> Problem<'s> {
     pub fn holding(mut self, steps: u16) -> Self {
         self.min_hold = steps.max(1);
         self
+    }
+
+    /// Admits only inputs in which no player holds some buttons, a set for each player.
+    #[must_use]
+    pub fn never_pressing(mut self, buttons: Vec<u64>) -> Self {
+        self.unpressed = buttons;
+        self
+    }
+
+    /// The buttons that a player does not hold.
+    pub(super) fn unpressed(&self, player: usize) -> u64 {
+        self.unpressed.get(player).copied().unwrap_or(0)
+    }
+
+    /// Whether a script holds none of those buttons after some steps that were given.
+    pub(super) fn is_unpressed(&self, script: &Script, given: u64) -> bool {
+        let holds = |input: &Input| (0..).zip(&input.0).any(|(player, of)| of.buttons & self.unpressed(player) != 0);
+        self.unpressed.is_empty() || !script.inputs().skip(given as usize).any(holds)
     }
 
     /// Admits only some inputs, to find a path among them: that there is none proves nothing.

@@ -431,3 +431,18 @@ impl ParallelSearch<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holds_begin_at_the_minimum_and_vary() {
+        for planner in Planner::ALL {
+            assert_eq!(default_hold(planner, 1), planner.hold());
+            let (least, most) = default_hold(planner, 20);
+            assert!(least == 20 && most >= 4 * least && most >= planner.hold().1, "{planner:?}: {least}..{most}");
+        }
+        assert_eq!(default_hold(Planner::Auto, u16::MAX), (u16::MAX, u16::MAX));
+    }
+}

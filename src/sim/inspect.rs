@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Bounds, ColliderId, ExprId, SlotId};
+use crate::ir::{Bounds, ColliderId, ExprId, RefValue, SlotId, TileId};
 
 use super::chance::Frames;
 use super::fault::Fault;
@@ -59,6 +59,14 @@ impl<'a> Inspection<'a> {
         }
         sim.lay(&input.1, &mut frames);
         Inspection { sim, state, frames }
+    }
+
+    /// What a value of a living instance stands for, as an action reads it: an instance, or a tile that breaks.
+    pub fn target(&self, slot: SlotId, value: RefValue) -> (Option<SlotId>, Option<TileId>) {
+        let fault = Cell::new(None);
+        let reader = self.sim.own_reader(self.state, slot, &self.frames, &fault);
+        let found = reader.reference(value);
+        (found, if found.is_none() { reader.tile(value) } else { None })
     }
 
     /// An expression of the entity of a living instance, as a guard reads it; truth is 1. Whether modes of other groups

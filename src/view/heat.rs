@@ -1,4 +1,5 @@
-//! The heat map: a grid of cells whose colour grows with the logarithm of the visits.
+//! The heat map: a grid of cells whose colour grows with the logarithm of the visits, or tells the first layer of a
+//! picture that has been there.
 
 use super::frame::{Frame, Rect};
 use super::svg::{Number, box_data, put};
@@ -7,6 +8,49 @@ use super::svg::{Number, box_data, put};
 pub(super) const LEVELS: usize = 7;
 /// Maximum number of cells of a grid.
 const MAX_CELLS: f64 = 400_000.0;
+
+/// Number of colours of layers.
+const LAYER_COLORS: usize = 6;
+
+/// The class of one of several layers: the first and the last colour, and those between that are furthest apart.
+pub(super) fn layer_class(layer: usize, count: usize) -> String {
+    let last = count.saturating_sub(1).max(1);
+    format!("layer{}", (layer.min(last) * (LAYER_COLORS - 1) + last / 2) / last)
+}
+
+/// Draws the points of each of some layers where no layer before has one; `cell` and `limit` as for [`draw`].
+pub(super) fn draw_layers(
+    out: &mut String,
+    frame: &Frame,
+    (points, count): (impl Iterator<Item = (usize, [f64; 2])> + Clone, usize),
+    cell: f64,
+    limit: usize,
+) {
+    let mut cell = cell.max(1.5 / frame.scale).max(least_cell(frame));
+    let runs = |cell: f64| {
+        let mut grid = Grid::new(frame, cell, usize::MAX);
+        for (layer, point) in points.clone() {
+            if let Some(first) = grid.at(frame, point) {
+                *first = layer.min(*first);
+            }
+        }
+        grid.runs(frame, |first| (first < usize::MAX).then_some(first))
+    };
+    let mut found = runs(cell);
+    while found.len() > limit.max(1) {
+        cell *= 2.0;
+        found = runs(cell);
+    }
+    let mut data = vec![String::new(); count];
+    for (layer, rect) in found {
+        if let Some(data) = data.get_mut(layer) {
+            box_data(data, rect);
+        }
+    }
+    for (layer, data) in data.iter().enumerate().filter(|(_, data)| !data.is_empty()) {
+        put!(out, "<path class=\"layer {}\" d=\"{data}\"/>\n", layer_class(layer, count));
+    }
+}
 
 /// Draws the visited points; `cell` is the minimum size of a cell, px of the game, `limit` the maximum number of
 /// rectangles.
@@ -17,8 +61,7 @@ pub(super) fn draw(
     cell: f64,
     limit: usize,
 ) {
-    let area = (frame.view.right - frame.view.left) * (frame.view.top - frame.view.bottom);
-    let mut cell = cell.max(1.5 / frame.scale).max(libm::sqrt(area / MAX_CELLS));
+    let mut cell = cell.max(1.5 / frame.scale).max(least_cell(frame));
     let mut runs = runs(frame, points.clone(), cell);
     while runs.len() > limit.max(1) {
         cell *= 2.0;
@@ -38,34 +81,68 @@ pub(super) fn opacity(level: usize) -> f64 {
     0.16 + 0.46 * level as f64 / (LEVELS - 1) as f64
 }
 
+/// The side of a cell of which a whole picture has not too many, px of the game.
+fn least_cell(frame: &Frame) -> f64 {
+    let area = (frame.view.right - frame.view.left) * (frame.view.top - frame.view.bottom);
+    libm::sqrt(area / MAX_CELLS)
+}
+
 /// Neighbouring cells of a row with the same shade as one rectangle.
 fn runs(frame: &Frame, points: impl Iterator<Item = [f64; 2]>, cell: f64) -> Vec<(usize, Rect)> {
-    let view = frame.view;
-    let columns = ((view.right - view.left) / cell).ceil().max(1.0) as usize;
-    let rows = ((view.top - view.bottom) / cell).ceil().max(1.0) as usize;
-    let mut visits = vec![0u32; columns * rows];
-    for [x, y] in points.filter(|&point| frame.holds(point)) {
-        let column = (((x - view.left) / cell) as usize).min(columns - 1);
-        let row = (((view.top - y) / cell) as usize).min(rows - 1);
-        let visits = &mut visits[row * columns + column];
-        *visits = visits.saturating_add(1);
-    }
-    let most = visits.iter().copied().max().unwrap_or(0);
-    let shades = (LEVELS - 1) as f64 / libm::log(f64::from(most.max(2)));
-    let shade = |visits: u32| (libm::log(f64::from(visits)) * shades).round() as usize;
-    let side = cell * frame.scale;
-    let mut runs = Vec::new();
-    for (row, visits) in visits.chunks(columns).enumerate() {
-        let mut column = 0;
-        for run in visits.chunk_by(|&a, &b| (a > 0) == (b > 0) && (a == 0 || shade(a) == shade(b))) {
-            if run[0] > 0 {
-                let (x, y) = (column as f64 * side, row as f64 * side);
-                let width = (run.len() as f64 * side).min(frame.width() - x);
-                let rect = Rect { x, y, width, height: side.min(frame.height() - y) };
-                runs.push((shade(run[0]).min(LEVELS - 1), rect));
-            }
-            column += run.len();
+    let mut grid = Grid::new(frame, cell, 0u32);
+    for point in points {
+        if let Some(visits) = grid.at(frame, point) {
+            *visits = visits.saturating_add(1);
         }
     }
-    runs
+    let most = grid.cells.iter().copied().max().unwrap_or(0);
+    let shades = (LEVELS - 1) as f64 / libm::log(f64::from(most.max(2)));
+    let shade = |visits: u32| (libm::log(f64::from(visits)) * shades).round() as usize;
+    grid.runs(frame, |visits| (visits > 0).then(|| shade(visits).min(LEVELS - 1)))
+}
+
+/// A value for each cell of a frame.
+struct Grid<T> {
+    cell: f64,
+    columns: usize,
+    rows: usize,
+    cells: Vec<T>,
+}
+
+impl<T: Copy> Grid<T> {
+    fn new(frame: &Frame, cell: f64, value: T) -> Self {
+        let view = frame.view;
+        let columns = ((view.right - view.left) / cell).ceil().max(1.0) as usize;
+        let rows = ((view.top - view.bottom) / cell).ceil().max(1.0) as usize;
+        Grid { cell, columns, rows, cells: vec![value; columns * rows] }
+    }
+
+    /// The value of the cell of a point; none if that is outside.
+    fn at(&mut self, frame: &Frame, point: [f64; 2]) -> Option<&mut T> {
+        if !frame.holds(point) {
+            return None;
+        }
+        let column = (((point[0] - frame.view.left) / self.cell) as usize).min(self.columns - 1);
+        let row = (((frame.view.top - point[1]) / self.cell) as usize).min(self.rows - 1);
+        self.cells.get_mut(row * self.columns + column)
+    }
+
+    /// Neighbouring cells of a row with the same shade as one rectangle; those without one are left out.
+    fn runs(&self, frame: &Frame, shade: impl Fn(T) -> Option<usize>) -> Vec<(usize, Rect)> {
+        let side = self.cell * frame.scale;
+        let mut runs = Vec::new();
+        for (row, cells) in self.cells.chunks(self.columns).enumerate() {
+            let mut column = 0;
+            for run in cells.chunk_by(|&a, &b| shade(a) == shade(b)) {
+                if let Some(shade) = shade(run[0]) {
+                    let (x, y) = (column as f64 * side, row as f64 * side);
+                    let width = (run.len() as f64 * side).min(frame.width() - x);
+                    let rect = Rect { x, y, width, height: side.min(frame.height() - y) };
+                    runs.push((shade, rect));
+                }
+                column += run.len();
+            }
+        }
+        runs
+    }
 }

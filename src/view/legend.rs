@@ -98,6 +98,11 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
         entries.push((Sign::Heat, "where the player was: seldom to often".into()));
         entries.push((Sign::Line("tree key"), "moves tried".into()));
     }
+    let layers = context.picture.layers;
+    for (index, layer) in layers.iter().enumerate().filter(|(_, layer)| !layer.places.is_empty()) {
+        let class = format!("layer {}", heat::layer_class(index, layers.len()));
+        entries.push((Sign::Box(class), layer.name.clone()));
+    }
     if !context.picture.traps.is_empty() {
         entries.push((Sign::Box("trap".into()), "players are stuck here".into()));
     }

@@ -46,7 +46,7 @@ pub use cells::cells;
 pub use film::{Film, FilmOptions, PlayerArea};
 pub use look::Images;
 pub use palette::{ColorTable, Colors};
-pub use picture::{Node, Picture, picture_svg};
+pub use picture::{Node, Picture, PictureLayer, picture_svg};
 pub use record::Recorder;
 pub use track::{Mark, Part, Pose, Run, Stop, Track};
 pub use verdict_map::{Shade, VerdictMap, VerdictPanel, verdict_map_svg};

@@ -23,6 +23,8 @@ const CELLS: f64 = 4.0;
 /// Maximum side of such a cell in the picture; its side if there are no tiles.
 const CELL: f64 = 10.0;
 
+/// Minimum side of the cells of layers, px of the game: their places are known to half of it.
+const LAYER_CELL: f64 = 8.0;
 /// Side of the cells of stuck places in a space without tiles, px of the game.
 const TRAP: f64 = 16.0;
 
@@ -67,8 +69,17 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
     if visits.count > 0 {
         let tile = space.map.as_ref().map_or(f64::MAX, |map| map.tile.0.min(map.tile.1));
         let cell = (tile / CELLS).min(CELL / frame.scale);
-        let nodes = context.picture.nodes.iter().filter(|node| node.space == id);
-        heat::draw(out, frame, nodes.map(|node| place(context, node)), cell, MAX_HEAT / context.visited);
+        let (layers, limit) = (context.picture.layers, MAX_HEAT / context.visited);
+        if layers.is_empty() {
+            let nodes = context.picture.nodes.iter().filter(|node| node.space == id);
+            heat::draw(out, frame, nodes.map(|node| place(context, node)), cell, limit);
+        } else {
+            let places = layers.iter().enumerate().flat_map(|(layer, of)| {
+                let here = of.places.iter().filter(|(space, _)| *space == id);
+                here.map(move |(space, at)| (layer, placed_at(context, *space, *at)))
+            });
+            heat::draw_layers(out, frame, (places, layers.len()), cell.max(LAYER_CELL), limit);
+        }
     }
     if let Some(map) = &space.map {
         tiles::draw(out, frame, map, &context.appearances, (context.picture.images, id));
@@ -88,7 +99,7 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
     let traps = context.picture.traps.iter().filter(|node| node.space == id);
     let cell = space.map.as_ref().map_or((TRAP, TRAP), |map| map.tile);
     trap::draw(out, frame, traps.map(|node| place(context, node)), cell);
-    if visits.count > 0 {
+    if !context.picture.nodes.is_empty() && visits.count > 0 {
         tree::draw(out, frame, moves(context, id), MAX_LINES / context.visited);
     }
     let lines: Vec<_> = context.routes.iter().map(|route| route.lines(frame, id)).collect();
@@ -122,8 +133,13 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
 
 /// Where a node is drawn.
 fn place(context: &PictureContext<'_>, node: &Node) -> [f64; 2] {
-    let at = [0, 1].map(|axis| f64::from(node.at[axis]) + context.middle[axis]);
-    route::drawn(context.world, node.space, at)
+    placed_at(context, node.space, node.at)
+}
+
+/// Where a player at a position is drawn.
+fn placed_at(context: &PictureContext<'_>, space: SpaceId, at: [f32; 2]) -> [f64; 2] {
+    let at = [0, 1].map(|axis| f64::from(at[axis]) + context.middle[axis]);
+    route::drawn(context.world, space, at)
 }
 
 /// The moves of the tree in a space, without jumps: moves across a seam, and moves much longer than most.

@@ -29,6 +29,15 @@ pub struct Node {
     pub at: [f32; 2],
 }
 
+/// Where players with some skill were, and nobody with less.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureLayer {
+    /// Who they are, for the legend.
+    pub name: String,
+    /// The positions: a space, and the position of a player, px.
+    pub places: Vec<(SpaceId, [f32; 2])>,
+}
+
 /// What a picture shows.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
@@ -44,6 +53,8 @@ pub struct Picture<'a> {
     pub nodes: &'a [Node],
     /// Where players are stuck.
     pub traps: &'a [Node],
+    /// Who was where, in place of nodes: from the least skill to the most.
+    pub layers: &'a [PictureLayer],
     /// The run: the path that a search has found, or what was simulated. Without tracks there is none.
     pub run: &'a Run,
     /// Lines under the title.
@@ -172,8 +183,10 @@ fn panels(
 ) -> (Vec<Panel>, Option<Fold>) {
     let visits = |id: SpaceId, view: Option<Bounds>| {
         let is_in = move |at: &[f64; 2]| view.is_none_or(|view| Frame { view, scale: 1.0 }.holds(*at));
-        let nodes = picture.nodes.iter().filter(move |node| node.space == id);
-        let nodes = nodes.map(move |node| [f64::from(node.at[0]) + middle[0], f64::from(node.at[1]) + middle[1]]);
+        let places = picture.layers.iter().flat_map(|layer| layer.places.iter().copied());
+        let nodes = picture.nodes.iter().map(|node| (node.space, node.at)).chain(places);
+        let nodes = nodes.filter(move |(space, _)| *space == id);
+        let nodes = nodes.map(move |(_, at)| [f64::from(at[0]) + middle[0], f64::from(at[1]) + middle[1]]);
         let stops = routes.iter().flat_map(|route| {
             let stops = route.track.stops.iter().filter(|stop| stop.space == id);
             stops.map(|stop| [stop.at[0] + route.middle[0], stop.at[1] + route.middle[1]])
@@ -223,8 +236,8 @@ fn title(out: &mut String, world: &str, picture: &Picture<'_>, width: f64) -> f6
 fn head(out: &mut String, context: &PictureContext<'_>, panel: &Panel, (x, y): (f64, f64), width: f64) {
     let all = context.picture.nodes.len();
     let share = match panel.visits.count {
+        0 if all > 0 || !context.picture.layers.is_empty() => "never entered".into(),
         _ if all == 0 => String::new(),
-        0 => "never entered".into(),
         visits => format!("{} % of the states found", Number((1000.0 * visits as f64 / all as f64).round() / 10.0)),
     };
     let line = Number(y + 16.0);

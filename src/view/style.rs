@@ -14,6 +14,8 @@ text{font:12px system-ui,-apple-system,\"Segoe UI\",\"Helvetica Neue\",Arial,\"D
 .accent0{fill:#8250df;fill-opacity:.45}.accent1{fill:#1b9aaa;fill-opacity:.45}.accent2{fill:#9a6700;fill-opacity:.45}
 .accent3{fill:#c2559d;fill-opacity:.45}.accent4{fill:#7d8530;fill-opacity:.45}.accent5{fill:#3d7a8c;fill-opacity:.45}
 .heat{fill:#0969da;shape-rendering:crispEdges}.tree{fill:none;stroke:#0a3069;stroke-opacity:.42;stroke-width:.7}.key{stroke-width:1.5;stroke-opacity:.8}
+.layer{fill-opacity:.75;shape-rendering:crispEdges}.layer0{fill:#f6d55c}.layer1{fill:#f0a35e}.layer2{fill:#dd6e78}
+.layer3{fill:#b4519d}.layer4{fill:#7a45b0}.layer5{fill:#3a3a9e}
 .goal{fill:#2da44e;fill-opacity:.2}.rim{fill:none;stroke:#1a7f37;stroke-width:2;stroke-dasharray:7 4}
 .link{fill:#8250df;fill-opacity:.14;stroke:#8250df;stroke-width:1.5;stroke-dasharray:3 2}
 .thing{fill:#6639ba;fill-opacity:.2;stroke:#6639ba;stroke-width:1.5}.block{fill:#525c68;fill-opacity:.4;stroke:#414a55;stroke-width:1.5}
@@ -40,6 +42,7 @@ text{font:12px system-ui,-apple-system,\"Segoe UI\",\"Helvetica Neue\",Arial,\"D
 @media(prefers-color-scheme:dark){text{fill:#e6edf3}.paper{fill:#0d1117}.quiet{fill:#9198a1}
 .yes{fill:#238636}.verdict{fill:#fff}.air{fill:#131820}.frame,.bounds{stroke:#656c76}
 .ground0{fill:#56606c}.ground1{fill:#77675a}.ground2{fill:#566f63}.ground3{fill:#6c5f80}
+.layer4{fill:#8f5cc9}.layer5{fill:#5b5bd6}
 .cloud{fill:#8b949e}.lip{fill:#9aa4b0}.heat{fill:#388bfd}.tree{stroke:#a5d6ff}
 .rim{stroke:#3fb950}.link,.thing{fill:#ab7df8;stroke:#ab7df8}.block{fill:#7a8491;stroke:#9aa4b0}.asked{stroke:#3fb950}
 .hero{fill:#f0883e;stroke:#f0883e}.ghost{stroke:#f0883e}.casing{stroke:#0d1117}.route{stroke:#ff8c38}

@@ -7,6 +7,7 @@
 //! | `step` | an instance after a step, and the edges that were considered in it |
 //! | `whom` | what an instance touches |
 //! | `run` | a run to a step, with what happened in it, and since when |
+//! | `writes` | what the edges that were taken did |
 //! | `lack` | what an expression lacks to be true |
 //! | `nearly` | how near the guards of edges came in a run |
 //! | `predicate` | a predicate of a world in a state, part by part |
@@ -20,6 +21,7 @@ mod record;
 mod run;
 mod step;
 mod whom;
+mod writes;
 
 pub use coverage::{Covered, EdgeCoverage, ModeCoverage, PartCoverage, PlaceCoverage};
 pub use nearly::{Missing, Nearly, NearlyEdge, nearly};

@@ -3,13 +3,14 @@
 
 use serde::Serialize;
 
-use crate::ir::{Domain, EdgeId, ExprId, Id, Place as Written, SlotId, Transition, Update};
+use crate::ir::{EdgeId, ExprId, Id, SlotId};
 use crate::sim::{Fault, Input, Inspection, Script, Simulator};
-use crate::source::{SourceMap, on_one_line};
+use crate::source::SourceMap;
 
 use super::record::{Atom, Contact, Place, Value};
-use super::step::{Guards, Moment, Moved, contacts, edges, inspect, place, shown};
+use super::step::{Guards, Moment, Moved, contacts, edges, inspect};
 use super::whom::whom;
+use super::writes::writes;
 
 /// Inputs of a run, and what nature draws where they leave it open.
 #[derive(Clone, Copy)]
@@ -51,7 +52,7 @@ pub struct Why {
     pub contacts: Vec<Touched>,
     /// The edges of the modes that were active before the step, in the order in which they are tried.
     pub edges: Vec<EdgeWhy>,
-    /// What edges and entries wrote in the step, in order.
+    /// What edges and entries did in the step, in order.
     pub writes: Vec<Write>,
 }
 
@@ -111,15 +112,15 @@ pub struct AtomSince {
     pub since: u64,
 }
 
-/// Something that was written.
+/// Something that an edge or an entry did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Write {
-    /// What, such as `y'`; none of a spawn.
+    /// What was written, such as `y'`; none of a spawn, a signal and a destruction.
     pub what: Option<String>,
-    /// The expression as it is written in the program.
+    /// The expression as it is written in the program, or what was done instead.
     pub text: String,
-    /// The value that was written.
+    /// The value that was written; of a signal, who received it.
     pub value: Option<String>,
     /// The edge or the mode whose update it is.
     pub by: String,
@@ -267,61 +268,4 @@ pub fn why(
         edges: edge_why.collect(),
         writes,
     })
-}
-
-/// What the edges that an instance took have written, with the entries of the modes that they entered.
-fn writes(moment: &Moment<'_>, slot: SlotId) -> Vec<Write> {
-    let Some((before, input)) = moment.before else { return Vec::new() };
-    let Moment { sim, sources, .. } = *moment;
-    let program = sim.program();
-    let id = sim.world().slots[slot].entity;
-    let entity = &program.entities[id];
-    let step = Inspection::new(sim, before, input);
-    let slice = |span| if sources.holds(span) { on_one_line(sources.slice(span)) } else { String::new() };
-    let write = |update: &Update, by: &str| {
-        let value = step.value(slot, update.value).ok();
-        let (what, value) = match update.place {
-            Written::Var(var, degree) => (entity.variable_text(var, degree), value.map(shown)),
-            Written::Discrete(discrete) => {
-                let of = &entity.discretes[discrete];
-                let word = |value: f64| match &of.domain {
-                    Domain::Int => shown(value),
-                    named => named.text(value as i32),
-                };
-                (of.name.clone(), value.map(word))
-            }
-            Written::Ref(_) => return None,
-        };
-        let text = slice(program.spans.exprs[update.value]);
-        Some(Write { what: Some(what), text, value, by: by.to_string() })
-    };
-    let mut all = Vec::new();
-    for &(_, edge) in moment.taken.unwrap_or_default().iter().filter(|(of, _)| *of == slot) {
-        let of = &entity.edges[edge];
-        let from = &entity.modes[of.source].path;
-        let by = match of.target {
-            Some(target) => format!("{from} -> {}", entity.modes[target].path),
-            None => format!("{from}, which stays"),
-        };
-        let line = program.spans.entities[id].edges[edge];
-        let by = match sources.holds(line) {
-            true => format!("{by}, line {}", place(sources, line).line),
-            false => by,
-        };
-        let group = entity.modes[of.source].group;
-        let (was, is) = (sim.instance(before, slot), sim.instance(moment.after, slot));
-        if let Some(target) = of.target.filter(|_| is.is_alive()) {
-            let transition = Transition { group, from: was.leaf(group), target, to: is.leaf(group) };
-            for mode in transition.entered(entity) {
-                let by = format!("entering {}", entity.modes[mode].path);
-                all.extend(entity.modes[mode].entry.updates.iter().filter_map(|update| write(update, &by)));
-            }
-        }
-        all.extend(of.actions.updates.iter().filter_map(|update| write(update, &by)));
-        for &spawn in &of.actions.spawns {
-            let text = slice(program.spans.entities[id].spawns[spawn]);
-            all.push(Write { what: None, text, value: None, by: by.clone() });
-        }
-    }
-    all
 }

@@ -1,7 +1,7 @@
 //! What an instance touches: the instances, tiles and other geometry at its sides after a step. Where nothing is found there
 //! any more, for instance because it was destroyed, nothing is named.
 
-use crate::ir::{Bounds, Side, SlotId, Touch, TouchId};
+use crate::ir::{Bounds, Side, SlotId, Space, Touch, TouchId};
 
 use super::step::Moment;
 
@@ -19,6 +19,9 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
         .filter(|(id, _)| me.entity().colliders[*id].tags.meets(mine))
         .map(|(_, b)| b.placed(me.position()))
         .collect();
+    let space = &moment.sim.world().spaces[me.space()];
+    // Beyond a seam everything is seen again, one period away.
+    let own: Vec<Bounds> = own.iter().flat_map(|own| images(space, own)).collect();
     let meets = |there: &Bounds| own.iter().any(|own| is_at(own, there, side));
     let mut named = Vec::new();
     for instance in moment.sim.instances(moment.after) {
@@ -32,7 +35,6 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
             named.push(format!("`{}`", instance.name()));
         }
     }
-    let space = &moment.sim.world().spaces[me.space()];
     if let Some(map) = &space.map {
         let broken = moment.sim.broken_tiles(moment.after);
         let broken: Vec<_> = broken.into_iter().filter_map(|tile| moment.sim.place_of_tile(tile)).collect();
@@ -50,7 +52,7 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
                 let side = side.filter(|_| kind.slope.is_none());
                 if kind.tags.contains(&other) && !is_broken && !seen.contains(&cell) && is_at(body, &there, side) {
                     seen.push(cell);
-                    named.push(format!("tile `{}` at column {column}, row {row}", kind.symbol));
+                    named.push(tile_words(space, column as usize, row as usize));
                 }
             }
         }
@@ -66,6 +68,22 @@ pub(super) fn whom(moment: &Moment<'_>, slot: SlotId, touch: TouchId) -> Vec<Str
         named.push(format!("{more} more"));
     }
     named
+}
+
+/// A tile in words: ``tile `#` at column 3, row 1``.
+pub(super) fn tile_words(space: &Space, column: usize, row: usize) -> String {
+    let map = space.map.as_ref();
+    let kind = map.and_then(|map| map.kinds.get(map.kind(column as i64, row as i64)?));
+    let symbol = kind.map_or(String::new(), |kind| format!(" `{}`", kind.symbol));
+    format!("tile{symbol} at column {column}, row {row}")
+}
+
+/// A body where it is, and where it is seen beyond the seams of its space.
+fn images(space: &Space, body: &Bounds) -> Vec<Bounds> {
+    let turns = |axis: usize| space.periods[axis].map_or(vec![0.0], |period| vec![0.0, -period.size(), period.size()]);
+    let across = turns(0);
+    let up = turns(1);
+    up.iter().flat_map(|dy| across.iter().map(move |dx| body.placed((*dx, *dy)))).collect()
 }
 
 /// Whether something is at a side of a body, or anywhere beside or in it.

@@ -26,6 +26,29 @@ pub(in crate::cli) struct PersonArgs {
     /// and timing errors have an eighth of it as their standard deviation, as with `--robust`.
     #[arg(long, value_name = "TIME", value_parser = Time::read, conflicts_with = "min_hold")]
     pub reaction: Option<Time>,
+    /// Shows the level in layers, by who gets where: players who hold each input for at least so many steps, and last those
+    /// with all inputs. `20,12,6,2`, or times such as `200ms,6frames`.
+    #[arg(
+        long,
+        value_name = "HOLD,…",
+        value_delimiter = ',',
+        value_parser = skill,
+        conflicts_with_all = ["robust", "reaction", "min_hold", "minimize", "save_inputs", "html", "tree", "results", "csv", "junit", "baseline"]
+    )]
+    pub skill: Vec<Time>,
+    /// One more layer for `--skill`: players for whom a predicate never holds, such as `held(run)`; can be given several
+    /// times.
+    #[arg(
+        long,
+        value_name = "PREDICATE",
+        conflicts_with_all = ["robust", "reaction", "min_hold", "minimize", "save_inputs", "html", "tree", "results", "csv", "junit", "baseline"]
+    )]
+    pub skill_without: Vec<String>,
+}
+
+/// A hold: a time, or a plain number of steps.
+fn skill(text: &str) -> Result<Time, String> {
+    text.trim().parse().map_or_else(|_| Time::read(text), |steps| Ok(Time::Steps(steps)))
 }
 
 impl PersonArgs {
@@ -42,6 +65,11 @@ impl PersonArgs {
             (None, None) => None,
         };
         asked.map(|(sigma, trials)| TimingErrors::new(sigma, trials))
+    }
+
+    /// Whether the answer has layers, by skill.
+    pub fn has_layers(&self) -> bool {
+        !self.skill.is_empty() || !self.skill_without.is_empty()
     }
 
     /// Why the errors cannot be used in a world.

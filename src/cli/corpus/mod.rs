@@ -54,6 +54,10 @@ pub(in crate::cli) fn is_corpus_run(args: &ReachArgs) -> bool {
 
 /// Searches for the targets in each level.
 pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
+    if args.person.has_layers() {
+        plain_error("`--skill` shows one level in layers: give one level with `--map`")?;
+        return Ok(Exit::Refused);
+    }
     if args.page.html.is_some() {
         let table = "`--results`, `--csv`, `--junit` and `--baseline` are about a table of levels";
         plain_error(&format!("`--html` is a page about one level: give one level with `--map`; {table}"))?;

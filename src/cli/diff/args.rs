@@ -1,10 +1,10 @@
 //! The arguments of `hypedc diff`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::args::ReadingArgs;
+use crate::cli::args::{ReadingArgs, SetArgs};
 
 #[derive(Debug, Args)]
 #[command(
@@ -17,9 +17,11 @@ pub(in crate::cli) struct DiffArgs {
     /// The program before the change.
     #[arg(value_name = "OLD")]
     pub old: PathBuf,
-    /// The program after it.
-    #[arg(value_name = "NEW")]
-    pub new: PathBuf,
+    /// The program after it [default: with `--set` the same one].
+    #[arg(value_name = "NEW", required_unless_present = "set")]
+    pub new: Option<PathBuf>,
+    #[command(flatten)]
+    pub numbers: SetArgs,
     /// The levels of worlds that leave their map open, as `hypedc reach` takes them: files and folders.
     #[arg(long, value_name = "PATH", num_args(1..))]
     pub map: Vec<PathBuf>,
@@ -55,6 +57,9 @@ pub(in crate::cli) struct DiffArgs {
     /// What makes the command fail (exit code 1), in addition to what got worse.
     #[arg(long, value_enum, value_name = "WHAT")]
     pub deny: Option<DeniedChange>,
+    /// Shows whole input scripts on a terminal, too, where they are otherwise cut to a line.
+    #[arg(short, long)]
+    pub verbose: bool,
     /// As text for people, as JSON, or as Markdown for a comment on a pull request.
     #[arg(long, value_enum, default_value = "human")]
     pub format: DiffFormat,
@@ -78,4 +83,11 @@ pub(in crate::cli) enum DiffFormat {
     Json,
     /// For comments on code hosts.
     Markdown,
+}
+
+impl DiffArgs {
+    /// The program after the change.
+    pub fn after(&self) -> &Path {
+        self.new.as_deref().unwrap_or(&self.old)
+    }
 }

@@ -4,7 +4,7 @@ use crate::diff::{Class, Comparison};
 
 use super::figure_words::figure_changes;
 use super::result::{DiffResult, LevelResult};
-use super::words::{change_words, class_word, map_words, question_words, summary, way_lines};
+use super::words::{change_words, class_word, map_words, question_words, set_words, summary, way_lines};
 
 /// Maximum number of lines of a list.
 const MAX_SHOWN: usize = 30;
@@ -40,7 +40,7 @@ fn list(out: &mut String, lines: &[String]) {
 /// The result as Markdown.
 pub(super) fn result_markdown(result: &DiffResult) -> String {
     let mut out = format!("### hypedc diff: {}\n\n", plain(&summary(result)));
-    out.push_str(&format!("`{}` → `{}`\n", result.old.file, result.new.file));
+    out.push_str(&format!("`{}` → `{}`{}\n", result.old.file, result.new.file, escaped(&set_words(result))));
     if result.stopped {
         out.push_str("\n**Stopped: not all questions were asked.**\n");
     }

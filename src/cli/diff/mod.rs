@@ -16,11 +16,14 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use crate::compile::{Asked, Changes, Compilation, ExtraQuestion, compile_changed, is_name, question_name};
+use crate::compile::{
+    Asked, Changes, Compilation, ExtraQuestion, NumberSetting, compile_changed, is_name, question_name, written_number,
+};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Severity, render, similar};
 use crate::diff::{
-    Budget, Class, Compared, Version, changes, compare, level_changes, measure, outline, player_changes,
+    Budget, Change, ChangeKind, Class, Compared, Version, changes, compare, level_changes, measure, outline,
+    player_changes,
 };
 use crate::ir::{World, WorldId};
 use crate::json::{self, Layout};
@@ -32,6 +35,7 @@ use crate::watch::{Meter, Watch};
 use crate::cli::Exit;
 use crate::cli::corpus::{all_levels, bar};
 use crate::cli::disk::Disk;
+use crate::cli::reach::ScriptDetail;
 use crate::cli::reach::question::{NEVER, asked_only};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, load_changed, plain_error, program_sha256, show_fact};
@@ -40,9 +44,15 @@ use args::{DeniedChange, DiffArgs, DiffFormat};
 use result::{DiffResult, LevelResult, ProgramOf, RESULT_VERSION, WorldFigures};
 
 pub(in crate::cli) fn run(args: &DiffArgs) -> io::Result<Exit> {
-    let questions = questions(args);
+    if let Some(why) = args.numbers.refusal() {
+        plain_error(&why)?;
+        return Ok(Exit::Refused);
+    }
+    let (questions, numbers) = (questions(args), args.numbers.fixed());
     // Predicates about what only levels hold cannot be read without one: questions are read with each level.
-    let load = |path| load_changed(path, args.reading.of(None), &Changes::default());
+    let load = |path: &Path, numbers: &[NumberSetting<'_>]| {
+        load_changed(path, args.reading.of(None), &Changes { numbers, ..Changes::default() })
+    };
     let levels = match levels(args) {
         Ok(levels) => levels,
         Err(why) => {
@@ -50,7 +60,9 @@ pub(in crate::cli) fn run(args: &DiffArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
-    let (Some(old), Some(new)) = (load(&args.old)?, load(&args.new)?) else { return Ok(Exit::Refused) };
+    let (Some(old), Some(new)) = (load(&args.old, &[])?, load(args.after(), &numbers)?) else {
+        return Ok(Exit::Refused);
+    };
     let worlds = match world_pairs(args, (&old, &new)) {
         Ok(worlds) => worlds,
         Err(fact) => {
@@ -58,7 +70,7 @@ pub(in crate::cli) fn run(args: &DiffArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
-    let comparison = Run { args, questions: &questions, old: &old, new: &new, worlds, levels };
+    let comparison = Run { args, questions: &questions, numbers: &numbers, old: &old, new: &new, worlds, levels };
     if let Err(refusal) = comparison.check() {
         refusal.show(&new.sources)?;
         return Ok(Exit::Refused);
@@ -66,7 +78,7 @@ pub(in crate::cli) fn run(args: &DiffArgs) -> io::Result<Exit> {
     let result = comparison.go();
     let mut out = io::stdout().lock();
     match args.format {
-        DiffFormat::Human => write!(out, "{}", text::result_text(&result))?,
+        DiffFormat::Human => write!(out, "{}", text::result_text(&result, ScriptDetail::on_terminal(args.verbose)))?,
         DiffFormat::Markdown => write!(out, "{}", markdown::result_markdown(&result))?,
         DiffFormat::Json => {
             json::write(&result, Layout::Indented, &mut out)?;
@@ -95,8 +107,11 @@ fn questions(args: &DiffArgs) -> Vec<ExtraQuestion<'_>> {
     all
 }
 
-fn changes_of<'a>(questions: &'a [ExtraQuestion<'a>]) -> Changes<'a> {
-    Changes { questions, ..Changes::default() }
+/// One of the two versions.
+#[derive(Debug, Clone, Copy)]
+enum Side {
+    Old,
+    New,
 }
 
 /// A level in both versions; none for what only one of them has.
@@ -137,7 +152,7 @@ fn world_pairs(args: &DiffArgs, (old, new): (&Loaded, &Loaded)) -> Result<Vec<(S
     let names = |loaded: &Loaded| loaded.program.worlds.iter().map(|world| world.name.clone()).collect::<Vec<_>>();
     let (before, now) = (names(old), names(new));
     if let Some(name) = &args.world {
-        for (known, file) in [(&before, &args.old), (&now, &args.new)] {
+        for (known, file) in [(&before, args.old.as_path()), (&now, args.after())] {
             if !known.contains(name) {
                 let list: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
                 return Err(NoQuestion {
@@ -159,6 +174,8 @@ fn world_pairs(args: &DiffArgs, (old, new): (&Loaded, &Loaded)) -> Result<Vec<(S
 struct Run<'r> {
     args: &'r DiffArgs,
     questions: &'r [ExtraQuestion<'r>],
+    /// The numbers of the new program that are set.
+    numbers: &'r [NumberSetting<'r>],
     old: &'r Loaded,
     new: &'r Loaded,
     worlds: Vec<(String, String)>,
@@ -185,8 +202,8 @@ impl Run<'_> {
         if !self.questions.is_empty() {
             let first = self.levels.first().map(|level| (level.old.as_ref(), level.new.as_ref()));
             let (old, new) = first.unwrap_or_default();
-            for (file, level) in [(&self.args.old, old), (&self.args.new, new)] {
-                self.compiled(file, level).map_err(Refusal::Plain)?;
+            for (side, level) in [(Side::Old, old), (Side::New, new)] {
+                self.compiled(side, level).map_err(Refusal::Plain)?;
             }
         }
         let is_open = all().any(|world| world.open.is_some());
@@ -202,15 +219,19 @@ impl Run<'_> {
         let args = self.args;
         let shas = [program_sha256(&self.old.program), program_sha256(&self.new.program)];
         let is_same = shas[0] == shas[1];
-        let [old, new] = [(&args.old, &shas[0]), (&args.new, &shas[1])]
+        let [old, new] = [(args.old.as_path(), &shas[0]), (args.after(), &shas[1])]
             .map(|(file, sha)| ProgramOf { file: file.display().to_string(), program_sha256: sha.clone() });
         let parts = |path: &Path| outline(path, &Disk);
-        let found = if is_same { Vec::new() } else { changes(&parts(&args.old), &parts(&args.new)) };
+        let mut found = if is_same { Vec::new() } else { changes(&parts(&args.old), &parts(args.after())) };
+        if !is_same {
+            found.extend(self.numbers.iter().map(|number| self.set_number(number)));
+        }
         let mut result = DiffResult {
             version: RESULT_VERSION,
             hypedc: env!("CARGO_PKG_VERSION"),
             old,
             new,
+            set: args.numbers.texts(),
             seed: args.seed,
             nodes_limit: args.nodes,
             is_same,
@@ -230,13 +251,28 @@ impl Run<'_> {
         result
     }
 
+    /// A number that is set, as a change of the program.
+    fn set_number(&self, NumberSetting { path, value }: &NumberSetting<'_>) -> Change {
+        let written = written_number(self.args.after(), &Disk, path).ok();
+        let what = if path.contains('.') { "param" } else { "const" };
+        let old = written.and_then(|written| Some(format!("{}{}", written.literal?, written.unit)));
+        Change {
+            change: ChangeKind::Changed,
+            what,
+            name: path.to_string(),
+            old,
+            new: Some(value.to_string()),
+            place: "--set".to_string(),
+        }
+    }
+
     /// The tiles of the programs' own maps, and how players move.
     fn moves(&self, result: &mut DiffResult) {
         // An open world has no ground without a level.
         let level = self.levels.iter().find_map(|level| level.old.as_ref().zip(level.new.as_ref()));
         let with_level = level.and_then(|(old, new)| {
-            let old = self.compiled(&self.args.old, Some(old)).ok()?;
-            Some((old, self.compiled(&self.args.new, Some(new)).ok()?))
+            let old = self.compiled(Side::Old, Some(old)).ok()?;
+            Some((old, self.compiled(Side::New, Some(new)).ok()?))
         });
         let interrupt = Interrupt::new();
         let meter = Meter::new(&interrupt);
@@ -293,10 +329,14 @@ impl Run<'_> {
     }
 
     /// A program with a level.
-    fn compiled(&self, file: &Path, level: Option<&PathBuf>) -> Result<Loaded, String> {
+    fn compiled(&self, side: Side, level: Option<&PathBuf>) -> Result<Loaded, String> {
         let given = self.args.reading.of(level.map(PathBuf::as_path));
-        let Compilation { sources, program, diagnostics, .. } =
-            compile_changed(file, given, &changes_of(self.questions), &Disk);
+        let (file, numbers) = match side {
+            Side::Old => (self.args.old.as_path(), &[][..]),
+            Side::New => (self.args.after(), self.numbers),
+        };
+        let changes = Changes { questions: self.questions, numbers, ..Changes::default() };
+        let Compilation { sources, program, diagnostics, .. } = compile_changed(file, given, &changes, &Disk);
         program.map(|program| Loaded { sources: sources.clone(), program }).ok_or_else(|| {
             let errors = diagnostics.iter().filter(|finding| finding.severity == Severity::Error);
             render::short(&sources, errors).trim_end().to_string()
@@ -317,9 +357,9 @@ impl Run<'_> {
         if name.is_none() && self.worlds.iter().all(|(old, new)| self.takes_level(old, new)) {
             return Vec::new();
         }
-        let versions = [(&self.args.old, &level.old), (&self.args.new, &level.new)].map(|(file, path)| match path {
-            Some(_) => self.compiled(file, path.as_ref()),
-            None if name.is_none() => self.compiled(file, None),
+        let versions = [(Side::Old, &level.old), (Side::New, &level.new)].map(|(side, path)| match path {
+            Some(_) => self.compiled(side, path.as_ref()),
+            None if name.is_none() => self.compiled(side, None),
             None => Err("there is no such level".to_string()),
         });
         match versions {

@@ -19,6 +19,8 @@ pub(super) struct DiffResult {
     pub old: ProgramOf,
     /// The program after it.
     pub new: ProgramOf,
+    /// The numbers of the program after the change that were set.
+    pub set: Vec<String>,
     /// The seed of the searches.
     pub seed: u64,
     /// Maximum number of nodes of each search.

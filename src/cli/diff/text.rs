@@ -1,12 +1,13 @@
 //! The result of `hypedc diff` as text for people: the summary first, then what changed, how players move, and the
 //! answers that are others.
 
+use crate::cli::reach::ScriptDetail;
 use crate::diff::{Class, Comparison};
 use crate::tabular::{Cell, Column, Table};
 
 use super::figure_words::figure_changes;
 use super::result::{DiffResult, LevelResult};
-use super::words::{change_words, class_word, map_words, question_words, summary, way_lines};
+use super::words::{change_words, class_word, map_words, question_words, set_words, summary, way_lines};
 
 /// Maximum number of changes and of jumps that the text shows.
 const MAX_SHOWN: usize = 20;
@@ -39,8 +40,8 @@ fn columns(lines: &[(String, String)]) -> Vec<String> {
 }
 
 /// The result as text.
-pub(super) fn result_text(result: &DiffResult) -> String {
-    let mut out = format!("{} → {}: {}\n", result.old.file, result.new.file, summary(result));
+pub(super) fn result_text(result: &DiffResult, detail: ScriptDetail) -> String {
+    let mut out = format!("{} → {}{}: {}\n", result.old.file, result.new.file, set_words(result), summary(result));
     if result.stopped {
         out.push_str("  stopped: not all questions were asked\n");
     }
@@ -59,11 +60,11 @@ pub(super) fn result_text(result: &DiffResult) -> String {
     let asked: Vec<&LevelResult> = result.asked().collect();
     match asked.as_slice() {
         [] => {}
-        [only] => out.push_str(&level_text(only, true)),
+        [only] => out.push_str(&level_text(only, true, detail)),
         _ => {
             out.push_str(&table(&asked));
             let changed = asked.iter().filter(|level| level.class() != Class::Same);
-            changed.clone().take(MAX_WAYS).for_each(|level| out.push_str(&level_text(level, false)));
+            changed.clone().take(MAX_WAYS).for_each(|level| out.push_str(&level_text(level, false, detail)));
             if changed.clone().count() > MAX_WAYS {
                 let more = changed.count() - MAX_WAYS;
                 out.push_str(&format!("  and {more} more, `--format json` has all\n"));
@@ -97,12 +98,12 @@ fn table(levels: &[&LevelResult]) -> String {
 }
 
 /// The answers about a level; without `all`, only those that are others.
-fn level_text(level: &LevelResult, all: bool) -> String {
+fn level_text(level: &LevelResult, all: bool, detail: ScriptDetail) -> String {
     let mut out = format!("  {}\n", level.name());
     level.maps.iter().for_each(|change| out.push_str(&format!("    {}\n", map_words(change))));
     level.error.iter().flat_map(|error| error.lines()).for_each(|line| out.push_str(&format!("    {line}\n")));
     let shown = level.questions.iter().filter(|question| all || question.class != Class::Same);
-    shown.for_each(|question| out.push_str(&question_text(question)));
+    shown.for_each(|question| out.push_str(&question_text(question, detail)));
     if level.is_refuted {
         out.push_str(
             "    the analysis is wrong about this world, and its proofs are withdrawn: a mistake of hypedc; \
@@ -112,7 +113,7 @@ fn level_text(level: &LevelResult, all: bool) -> String {
     out
 }
 
-fn question_text(question: &Comparison) -> String {
+fn question_text(question: &Comparison, detail: ScriptDetail) -> String {
     let Comparison { kind, goal, class, new, old_way, .. } = question;
     let word = match class {
         Class::Same | Class::Way => String::new(),
@@ -122,7 +123,7 @@ fn question_text(question: &Comparison) -> String {
     let mut lines: Vec<(String, String)> =
         new.reasons.iter().filter(|_| *class != Class::Same).map(|why| ("because".into(), why.clone())).collect();
     lines.extend(old_way.iter().flat_map(|way| way_lines(way, *class)));
-    lines.extend(question.other_way().map(|inputs| ("inputs".to_string(), inputs.to_string())));
+    lines.extend(question.other_way().map(|inputs| ("inputs".to_string(), detail.script(inputs))));
     columns(&lines).iter().for_each(|line| out.push_str(&format!("      {line}\n")));
     out
 }

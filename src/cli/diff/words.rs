@@ -97,7 +97,8 @@ fn verdict(kind: Kind, conclusion: Conclusion) -> &'static str {
 pub(super) fn question_words(question: &Comparison) -> String {
     let Comparison { kind, class, old, new, .. } = question;
     let (was, is) = (verdict(*kind, old.verdict), verdict(*kind, new.verdict));
-    let steps = |answered: &Answered| answered.steps.map_or(String::new(), |steps| format!(" in {steps}"));
+    let steps =
+        |answered: &Answered| answered.steps.map_or(String::new(), |steps| format!(" in {}", counted(steps, "step")));
     let searched = format!(" ({} searched)", counted(new.nodes, "node"));
     let by = |answered: &Answered| match answered.by {
         Origin::AlongOldWay => ", found along the old way",
@@ -174,6 +175,11 @@ pub(super) fn way_lines(way: &OldWay, class: Class) -> Vec<(String, String)> {
     lines.push(("ends".to_string(), format!("old: {}", end_words(&divergence.old, "it arrives"))));
     lines.push((String::new(), format!("new: {}", end_words(&divergence.new, "the inputs end"))));
     lines
+}
+
+/// The numbers that were set: ` with Hero.jump_speed=280`.
+pub(super) fn set_words(result: &DiffResult) -> String {
+    if result.set.is_empty() { String::new() } else { format!(" with {}", result.set.join(", ")) }
 }
 
 /// The summary: `1 of 2 answers changed: 1 worse`.

@@ -80,13 +80,13 @@ struct SpaceResult {
 /// Upper sides at one height, side by side.
 #[derive(Serialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-struct TopResult {
+pub(super) struct TopResult {
     /// The left end, px.
-    left: f64,
+    pub left: f64,
     /// The right end, px.
-    right: f64,
+    pub right: f64,
     /// The height, px.
-    y: f64,
+    pub y: f64,
 }
 
 /// A mode.
@@ -236,7 +236,7 @@ fn place(loaded: &Loaded, entity: crate::ir::EntityId, edge: EdgeId) -> String {
 }
 
 /// Tops that are side by side at one height, as one.
-fn runs<'t>(tops: impl Iterator<Item = &'t Top>) -> Vec<TopResult> {
+pub(super) fn runs<'t>(tops: impl Iterator<Item = &'t Top>) -> Vec<TopResult> {
     let mut runs: Vec<TopResult> = Vec::new();
     for &Top { from: left, to: right, y, .. } in tops {
         match runs.last_mut().filter(|run| run.y == y && run.right == left) {
@@ -248,7 +248,7 @@ fn runs<'t>(tops: impl Iterator<Item = &'t Top>) -> Vec<TopResult> {
 }
 
 /// Some of many things, with the number of the others.
-fn listed(mut all: Vec<String>, is_whole: bool) -> String {
+pub(super) fn listed(mut all: Vec<String>, is_whole: bool) -> String {
     let more = if is_whole { 0 } else { all.len().saturating_sub(MAX_LISTED) };
     all.truncate(all.len() - more);
     if more > 0 {
@@ -335,6 +335,7 @@ fn picture(result: &Exploration, session: &Session, outcome: &Outcome, images: &
         goals: &[],
         nodes: &nodes,
         traps: &[],
+        layers: &[],
         run: &Run::default(),
         notes: &notes,
         images,

@@ -174,6 +174,7 @@ pub(super) fn picture(
         goals: &goals,
         nodes: &nodes,
         traps: &[],
+        layers: &[],
         run: &run,
         notes: &notes,
         images,

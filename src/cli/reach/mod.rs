@@ -9,6 +9,7 @@ pub(in crate::cli) mod question;
 pub(in crate::cli) mod refuted;
 mod result;
 mod robust;
+mod skill;
 mod sweep;
 mod text;
 mod why_not;
@@ -17,7 +18,8 @@ pub(in crate::cli) use sweep::shade;
 pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
 pub(in crate::cli) use {
-    explore::json_schema as exploration_schema, result::json_schema, sweep::json_schema as sweep_schema,
+    explore::json_schema as exploration_schema, result::json_schema, skill::json_schema as skill_schema,
+    sweep::json_schema as sweep_schema,
 };
 
 use std::io::{self, Write};
@@ -27,7 +29,7 @@ use std::time::Instant;
 use crate::ir::{World, WorldId};
 use crate::json::{self, Layout};
 use crate::reach::Target;
-use crate::reach::query::{Phase, Session, Supervisor};
+use crate::reach::query::{Phase, Session, Supervisor, unpressed_words};
 use crate::view::Images;
 use crate::watch::Watch;
 
@@ -64,6 +66,9 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
             return Ok(Exit::Refused);
         }
     };
+    if args.person.has_layers() {
+        return skill::run(args, &loaded, (world, query));
+    }
     let carried = match carried(&args.page, &args.file, level) {
         Ok(carried) => carried,
         Err(why) => return why.show(),
@@ -141,7 +146,9 @@ fn answer_all(
             let (query, has_rooms) = (session.query(), program.worlds[world].spaces.len() > 1);
             let seconds = searched.seconds;
             let step = program.worlds[world].step.seconds();
-            let shown = Shown { query, saved: &saved, seconds, step, has_rooms, detail, is_verbose: args.verbose };
+            let unpressed = unpressed_words(program, &program.worlds[world], &query.unpressed);
+            let shown =
+                Shown { query, unpressed, saved: &saved, seconds, step, has_rooms, detail, is_verbose: args.verbose };
             write!(io::stdout(), "{}", answer_text(&answer, &shown))?;
         }
         if !answer.is_expected {
@@ -273,6 +280,7 @@ pub fn answer_by_analysis_of(
     let (query, saved) = (session.query(), Saved::default());
     let shown = Shown {
         query,
+        unpressed: None,
         saved: &saved,
         seconds: 0.0,
         step: 0.0,

@@ -3,7 +3,7 @@
 use std::io;
 
 use crate::reach::Conclusion;
-use crate::reach::query::{Answer, Found, Kind, Session};
+use crate::reach::query::{Answer, Found, Kind, Session, unpressed_words};
 use crate::sim::{Script, Simulator};
 use crate::view::{Images, cells};
 use crate::watch::Watch;
@@ -26,7 +26,9 @@ pub(super) fn way(
     let has_rooms = session.simulator().world().spaces.len() > 1;
     let (query, saved) = (session.query(), &Saved::default());
     let step = session.simulator().world().step.seconds();
-    let shown = Shown { query, saved, seconds, step, has_rooms, detail: Detail::Full, is_verbose: false };
+    let sim = session.simulator();
+    let unpressed = unpressed_words(sim.program(), sim.world(), &query.unpressed);
+    let shown = Shown { query, unpressed, saved, seconds, step, has_rooms, detail: Detail::Full, is_verbose: false };
     let text = answer_text(&printed, &shown);
     let mut lines = text.lines().map(|line| line.trim().to_string());
     let first = lines.next().unwrap_or_default();

@@ -14,11 +14,14 @@ use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
+use crate::cli::without::Without;
 
 /// The name of the `never` that `--without` adds: not a valid name in a program.
 pub(in crate::cli) const WITHOUT: &str = "--without";
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
+/// The source of predicates of `--skill-without`.
+pub(in crate::cli) const SKILL_WITHOUT: &str = "--skill-without";
 /// The source of predicates of `--never`.
 pub(in crate::cli) const NEVER: &str = "--never";
 
@@ -35,12 +38,15 @@ impl<'a> ReachChanges<'a> {
         let question = |asked, origin| move |text: &'a String| ExtraQuestion { asked, world, text, origin };
         let goals = args.goal.iter().map(question(Asked::Goal, "--goal"));
         let nevers = args.never.iter().map(question(Asked::Never, NEVER));
+        let without = args.person.skill_without.iter().filter(|text| Without::read(text).predicate().is_some());
+        let without = without.map(question(Asked::Never, SKILL_WITHOUT));
+        let is_wandering = args.explore || args.person.has_layers();
         let nowhere =
-            args.explore.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
+            is_wandering.then_some(ExtraQuestion { asked: Asked::Goal, world, text: "false", origin: EXPLORE });
         let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
         ReachChanges {
-            questions: goals.chain(nevers).chain(nowhere).collect(),
-            constraint: args.without.as_deref().map(constraint),
+            questions: goals.chain(nevers).chain(without).chain(nowhere).collect(),
+            constraint: args.without.as_deref().and_then(|text| Without::read(text).predicate()).map(constraint),
             numbers: args.numbers.fixed(),
         }
     }
@@ -61,7 +67,9 @@ impl<'a> ReachChanges<'a> {
 pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldId) -> Result<Query, Refusal> {
     let table = &loaded.program.worlds[world];
     // The compiler appends it.
-    let without = args.without.as_ref().and_then(|_| table.nevers.ids().next_back());
+    let avoided = args.without.as_deref().map(Without::read);
+    let without = avoided.and_then(Without::predicate).and_then(|_| table.nevers.ids().next_back());
+    let unpressed = avoided.map_or(Ok(Vec::new()), |avoided| avoided.buttons(&loaded.program, table));
     let (targets, min_hold) = (targets(table, args, without)?, min_hold(args, table)?);
     let errors = errors(args, table)?;
     let (settings, within) = (settings(args, table, min_hold)?, args.within.map(|time| time.room(table)));
@@ -71,6 +79,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         min_hold,
         within,
         without: without.into_iter().collect(),
+        unpressed: unpressed.map_err(Refusal::of)?,
         asked: asked_only(loaded, world),
         after: read_scripts(loaded, world, &args.after)?,
         minimizes: args.minimize,
@@ -152,7 +161,7 @@ fn errors(args: &ReachArgs, world: &World) -> Result<Option<TimingErrors>, Refus
 /// The search settings.
 fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, Refusal> {
     let mut planner = Planner::named(&args.planner).unwrap_or_default();
-    if args.explore && planner == Planner::Auto {
+    if args.explore && !args.person.has_layers() && planner == Planner::Auto {
         planner = Planner::Coverage;
     }
     let hold = args.hold.map(|hold| held(hold.steps(world))).transpose();
@@ -176,9 +185,9 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         },
         trees: usize::from(args.trees),
         threads: usize::from(args.threads),
-        records: args.svg.is_some() || args.page.html.is_some() || args.tree,
+        records: !args.person.has_layers() && args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
-        explains: !args.explore && args.numbers.sweeps().is_empty(),
+        explains: !args.explore && !args.person.has_layers() && args.numbers.sweeps().is_empty(),
         ..Settings::default()
     })
 }
@@ -203,10 +212,14 @@ pub(in crate::cli) fn read_scripts(
 
 /// The named targets without duplicates, or all goals.
 fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<Vec<Target>, Refusal> {
-    let goals: Vec<(Target, &str)> =
+    let mut goals: Vec<(Target, &str)> =
         world.goals.pairs().map(|(id, goal)| (Target::Goal(id), goal.name.as_str())).collect();
     let nevers = world.nevers.pairs().filter(|(id, _)| Some(*id) != without);
     let nevers: Vec<(Target, &str)> = nevers.map(|(id, never)| (Target::Never(id), never.name.as_str())).collect();
+    if args.person.has_layers() {
+        // The compiler appends the goal that nothing reaches.
+        goals.pop();
+    }
     let mut chosen = Vec::new();
     for (kind, known, names) in [(Kind::Goal, &goals, &args.goal), (Kind::Never, &nevers, &args.never)] {
         for text in names {
@@ -218,13 +231,15 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
             }
         }
     }
-    if args.explore {
+    if args.explore && args.person.has_layers() {
+        return Ok(chosen);
+    } else if args.explore {
         // The compiler appends it.
         chosen.extend(goals.last().map(|(target, _)| *target));
     } else if args.goal.is_empty() && args.never.is_empty() {
         chosen.extend(goals.iter().map(|(target, _)| *target));
     }
-    if chosen.is_empty() {
+    if chosen.is_empty() && !args.person.has_layers() {
         let why = format!("`{}` has no goal", world.name);
         let help = "add one, such as `goal arrive: near(hero, (416, 48), 16)`, ask a predicate with `--goal`, or see what \
                     there is with `--explore`";
@@ -236,7 +251,8 @@ fn targets(world: &World, args: &ReachArgs, without: Option<NeverId>) -> Result<
 
 /// The `never`s that the arguments add as questions: they are no rules of the world.
 pub(in crate::cli) fn asked_only(loaded: &Loaded, world: WorldId) -> Vec<NeverId> {
-    added_nevers(&loaded.program, &loaded.sources, world, NEVER)
+    let added = |origin| added_nevers(&loaded.program, &loaded.sources, world, origin);
+    [added(NEVER), added(SKILL_WITHOUT)].concat()
 }
 
 /// Refuses an unknown name of a goal or `never`.

@@ -88,6 +88,7 @@ pub(in crate::cli) fn json_schema() -> schemars::Schema {
 pub(super) fn run(args: &ReachArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
     let of = &args.corpus;
     if args.explore
+        || args.person.has_layers()
         || args.tree
         || args.save_inputs.is_some()
         || [&of.results, &of.junit, &of.baseline].iter().any(|path| path.is_some())

@@ -108,13 +108,15 @@ fn when(answer: &Answer, has_rooms: bool) -> String {
 }
 
 /// The verdict and what it assumes: the first line of an answer.
-fn verdict(answer: &Answer, query: &Query, has_rooms: bool) -> String {
+fn verdict(answer: &Answer, Shown { query, has_rooms, unpressed, .. }: &Shown<'_>) -> String {
+    let has_rooms = *has_rooms;
     let within = query.within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
     let hold = match query.min_hold {
         1 => String::new(),
         steps => format!(" by inputs that are held for at least {steps} steps"),
     };
-    let asked = format!("{}{hold}", within.unwrap_or_default());
+    let without = unpressed.as_ref().map(|buttons| format!(" without {buttons}")).unwrap_or_default();
+    let asked = format!("{}{hold}{without}", within.unwrap_or_default());
     let is_never = answer.kind == Kind::Never;
     match answer.verdict {
         // The analysis proves it for all inputs.
@@ -138,7 +140,7 @@ fn verdict(answer: &Answer, query: &Query, has_rooms: bool) -> String {
 }
 
 /// The class of inputs in which the path is shortest.
-fn shortest(answer: &Answer, query: &Query) -> String {
+fn shortest(answer: &Answer, Shown { query, unpressed, .. }: &Shown<'_>) -> String {
     if answer.is_shortest != Some(true) {
         return "not proven shortest".to_string();
     }
@@ -147,7 +149,8 @@ fn shortest(answer: &Answer, query: &Query) -> String {
         1 => String::new(),
         steps => format!(" by inputs that are held for at least {steps} steps"),
     };
-    format!("shortest{axes}{hold}")
+    let without = unpressed.as_ref().map(|buttons| format!(" without {buttons}")).unwrap_or_default();
+    format!("shortest{axes}{hold}{without}")
 }
 
 fn window(SearchWindow { space, left, right, bottom, branches }: &SearchWindow) -> String {
@@ -161,6 +164,8 @@ fn window(SearchWindow { space, left, right, bottom, branches }: &SearchWindow) 
 /// What an answer is shown with.
 pub(super) struct Shown<'s> {
     pub query: &'s Query,
+    /// Buttons that no input may hold, in words.
+    pub unpressed: Option<String>,
     pub saved: &'s Saved,
     /// The duration of the search, s.
     pub seconds: f64,
@@ -175,8 +180,8 @@ pub(super) struct Shown<'s> {
 
 /// An answer as text.
 pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
-    let Shown { query, saved, seconds, step, has_rooms, detail, is_verbose } = *shown;
-    let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, query, has_rooms));
+    let Shown { query, saved, seconds, step, has_rooms, detail, is_verbose, .. } = *shown;
+    let mut out = format!("  {} {}: {}\n", answer.kind.name(), answer.goal, verdict(answer, shown));
     if detail == Detail::Quiet {
         return out;
     }
@@ -187,7 +192,7 @@ pub(super) fn answer_text(answer: &Answer, shown: &Shown<'_>) -> String {
         out.push_str("    the analysis is wrong about this world, as shown below: its proof is withdrawn\n");
     }
     if let Some(steps) = answer.steps {
-        out.push_str(&format!("    path    {}, {}\n", counted(steps, "step"), shortest(answer, query)));
+        out.push_str(&format!("    path    {}, {}\n", counted(steps, "step"), shortest(answer, shown)));
     }
     if let Some(inputs) = answer.inputs.as_ref().filter(|i| !i.is_empty()) {
         out.push_str(&format!("    inputs  {}\n", detail.script(inputs)));

@@ -43,6 +43,9 @@ pub(in crate::cli) struct StuckArgs {
     /// The seed of the search for candidates: the same seed gives the same ones.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Shows whole input scripts on a terminal, too, where they are otherwise cut to a line.
+    #[arg(short, long)]
+    pub verbose: bool,
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,

@@ -24,6 +24,7 @@ use crate::cli::Exit;
 use crate::cli::args::ResultFormat;
 use crate::cli::goal::chosen_goal;
 use crate::cli::pictures::images;
+use crate::cli::reach::ScriptDetail;
 use crate::cli::report::{Loaded, choose_world, load_changed, plain_error, program_sha256, show_fact};
 use crate::cli::watches::{CommandWatch, Interrupt};
 use args::StuckArgs;
@@ -87,7 +88,10 @@ fn answer(args: &StuckArgs, loaded: &Loaded, world: WorldId, goal: GoalId) -> io
         return Ok(Exit::Refused);
     }
     match args.format {
-        ResultFormat::Human => write!(io::stdout(), "{}", result_text(&result, args.svg.as_deref()))?,
+        ResultFormat::Human => {
+            let detail = ScriptDetail::on_terminal(args.verbose);
+            write!(io::stdout(), "{}", result_text(&result, args.svg.as_deref(), detail))?;
+        }
         ResultFormat::Json => {
             let mut out = io::stdout().lock();
             json::write(&result, Layout::Indented, &mut out)?;

@@ -52,6 +52,7 @@ pub(super) fn save(
         goals: &[goal],
         nodes: &[],
         traps: &traps,
+        layers: &[],
         run: &run,
         notes: &[summary(result)],
         images,

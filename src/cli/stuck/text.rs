@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::result::{StuckResult, StuckVerdict, WayResult};
-use crate::cli::reach::counted;
+use crate::cli::reach::{ScriptDetail, counted};
 use crate::reach::stuck::StateCounts;
 
 /// Maximum number of ways that the text shows.
@@ -73,7 +73,7 @@ fn states(states: &StateCounts) -> String {
 }
 
 /// One way in.
-fn way(way: &WayResult) -> String {
+fn way(way: &WayResult, detail: ScriptDetail) -> String {
     let mut out = match (&way.from, way.last_input.as_deref()) {
         (None, input) => {
             let input = input.filter(|input| *input != "-").unwrap_or("nothing");
@@ -100,12 +100,12 @@ fn way(way: &WayResult) -> String {
             format!("            no way found from here in {searched}; {}\n", number_of(way.behind, "place"))
         }
     });
-    out.push_str(&format!("            inputs  {}\n", way.inputs));
+    out.push_str(&format!("            inputs  {}\n", detail.script(&way.inputs)));
     out
 }
 
 /// The result as text.
-pub(super) fn result_text(result: &StuckResult, drawn: Option<&Path>) -> String {
+pub(super) fn result_text(result: &StuckResult, drawn: Option<&Path>, detail: ScriptDetail) -> String {
     let set = if result.set.is_empty() { String::new() } else { format!(", with {}", result.set.join(", ")) };
     let StuckResult { file, world, goal, .. } = result;
     let mut out =
@@ -120,7 +120,7 @@ pub(super) fn result_text(result: &StuckResult, drawn: Option<&Path>) -> String 
             open => format!("; of {} of them nothing is known, `--nodes N` tries more\n", grouped(open)),
         });
     }
-    out.extend(result.ways.iter().take(MAX_SHOWN).map(way));
+    out.extend(result.ways.iter().take(MAX_SHOWN).map(|found| way(found, detail)));
     let shown = result.ways.len().min(MAX_SHOWN) as u64;
     if result.places > shown && shown > 0 {
         out.push_str(&format!(

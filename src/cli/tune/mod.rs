@@ -35,6 +35,7 @@ use crate::cli::reach::shade;
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256, written};
 use crate::cli::watches::{CommandWatch, interrupted};
+use crate::cli::without::Without;
 use args::{TuneArgs, Vary};
 use result::{RESULT_VERSION, TuneResult, csv_text};
 use text::result_text;
@@ -96,7 +97,11 @@ impl<'a> Disked<'a> {
         let goal = args.goal.iter().map(question(Asked::Goal, "--goal"));
         let nevers = args.never.iter().map(question(Asked::Never, NEVER));
         let constraint = |predicate: &'a str| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT };
-        Disked { args, questions: goal.chain(nevers).collect(), constraint: args.without.as_deref().map(constraint) }
+        Disked {
+            args,
+            questions: goal.chain(nevers).collect(),
+            constraint: args.without.as_deref().and_then(|text| Without::read(text).predicate()).map(constraint),
+        }
     }
 
     fn changes<'c>(&'c self, numbers: &'c [NumberSetting<'c>]) -> Changes<'c> {
@@ -138,13 +143,20 @@ fn question(args: &TuneArgs, loaded: &mut Loaded, world: WorldId) -> Result<Ques
     let min_hold = args.min_hold.map_or(1, |time| time.steps(table));
     let min_hold =
         u16::try_from(min_hold).map_err(|_| Refusal::Plain(format!("`--min-hold` is at most {} steps", u16::MAX)))?;
+    let avoided = args.without.as_deref().map(Without::read);
+    let unpressed = avoided.map_or(Ok(Vec::new()), |avoided| avoided.buttons(&loaded.program, table));
     let query = Query {
         settings: Settings { seed: args.seed, ..Settings::default() },
         limits: Limits { nodes: args.nodes, memory: args.memory << 20 },
         min_hold,
         within: args.within.map(|time| time.room(table)),
         // The compiler appends it.
-        without: args.without.as_ref().and_then(|_| table.nevers.ids().next_back()).into_iter().collect(),
+        without: avoided
+            .and_then(Without::predicate)
+            .and_then(|_| table.nevers.ids().next_back())
+            .into_iter()
+            .collect(),
+        unpressed: unpressed.map_err(Refusal::of)?,
         asked: asked_only(loaded, world),
         after,
         chance: args.chance,

@@ -278,9 +278,10 @@ fn text(result: &TilesResult, args: &TuneArgs) -> String {
             out.extend(change.trial.inputs.as_ref().map(script));
             out.extend(change.trial.reasons.iter().map(|reason| format!("    why       {reason}\n")));
             out.push_str(&format!("    as it is  {}\n", verdict(base)));
-            out.push_str(match change.is_fewest {
-                true => "    fewest    it is certain that fewer of these tiles are not enough\n",
-                false => "    fewest    of what was tried; fewer tiles may be enough\n",
+            out.push_str(match (change.is_fewest, change.edits.len()) {
+                (true, _) => "    fewest    it is certain that fewer of these tiles are not enough\n",
+                (false, 1) => "    fewest    not proven: perhaps nothing needs to change, as no search found out\n",
+                (false, _) => "    fewest    of what was tried; fewer tiles may be enough\n",
             });
         }
         None if is_wanted(result) => {

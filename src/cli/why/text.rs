@@ -123,7 +123,8 @@ fn write_text(write: &Write, paint: Paint) -> String {
         (Some(what), Some(value)) if *value == write.text => format!("{what} := {value} {by}"),
         (Some(what), Some(value)) => format!("{what} := {} = {value} {by}", write.text),
         (Some(what), None) => format!("{what} := {} {by}", write.text),
-        (None, _) => format!("{} {by}", write.text),
+        (None, Some(value)) => format!("{}, {value} {by}", write.text),
+        (None, None) => format!("{} {by}", write.text),
     }
 }
 

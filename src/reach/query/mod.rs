@@ -3,6 +3,7 @@
 //! over many levels and editors only format that record.
 
 mod answer;
+pub mod layers;
 mod robust;
 mod session;
 mod wording;
@@ -10,4 +11,4 @@ mod wording;
 pub use answer::{Answer, Counterexample, CoverageSummary, ExhaustedHold, Kind, ProofMethod, SearchWindow};
 pub use robust::{ChangeRecord, FirstPath, FoundRobust, RobustRecord, SuccessRecord, TimingErrors};
 pub use session::{Found, Phase, Query, QueryError, Session, Supervisor, replay};
-pub use wording::{is_bounded, proof_reasons};
+pub use wording::{is_bounded, proof_reasons, unpressed_words};

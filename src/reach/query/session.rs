@@ -26,6 +26,7 @@ use super::super::shorten::shorten;
 use super::super::why_not::{WhyNot, explain};
 use super::answer::{Answer, Counterexample};
 use super::robust::{FoundRobust, RobustRecord, TimingErrors};
+use super::wording::unpressed_words;
 
 /// Number of nodes of the search that looks for what comes nearest to a goal that is proven unreachable.
 const SAMPLE_NODES: u64 = 2_000;
@@ -45,6 +46,8 @@ pub struct Query {
     pub within: Option<u32>,
     /// `never`s that a path must not break; counterexamples to them are not reported.
     pub without: Vec<NeverId>,
+    /// For each player, buttons that no input of a path holds; empty: none.
+    pub unpressed: Vec<u64>,
     /// `never`s that are questions only: they end no run.
     pub asked: Vec<NeverId>,
     /// Scripts whose ends are the starts of searches; if empty, the initial state.
@@ -67,8 +70,9 @@ impl Query {
         target: Target,
         watch: &dyn Watch,
     ) -> Result<Option<Problem<'s>>, QueryError> {
-        let Query { min_hold, within, without, asked, after, .. } = self;
+        let Query { min_hold, within, without, unpressed, asked, after, .. } = self;
         let mut problem = Problem::asking(sim, target).holding(*min_hold).asking_only(asked);
+        problem = problem.never_pressing(unpressed.clone());
         if let Some(seed) = self.chance {
             problem = problem.foretold(seed);
         }
@@ -118,6 +122,7 @@ impl Query {
             min_hold: 1,
             within: None,
             without: Vec::new(),
+            unpressed: Vec::new(),
             asked: Vec::new(),
             after: Vec::new(),
             minimizes: false,
@@ -242,7 +247,7 @@ impl Session {
         let mut all: Vec<Found<'_>> = Vec::new();
         for &target in &self.query.targets {
             let mut found = None;
-            let search = &mut |watch: &dyn Watch| found = Some(self.search(target, watch));
+            let search = &mut |watch: &dyn Watch| found = Some(self.search((target, None), watch));
             let flow = supervisor.supervise(Phase::Search(target), search);
             all.extend(found.transpose()?);
             if flow.is_break() {
@@ -281,7 +286,7 @@ impl Session {
     ///
     /// [`QueryError`] if the target cannot be searched for.
     pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
-        let mut found = self.search(target, watch)?;
+        let mut found = self.search((target, None), watch)?;
         if self.query.minimizes {
             self.minimize(&mut found, watch);
         }
@@ -297,11 +302,34 @@ impl Session {
     ///
     /// [`QueryError`] if it cannot be searched.
     pub fn explore(&self, observer: &dyn Observer, watch: &dyn Watch) -> Result<Outcome, QueryError> {
-        let Query { targets, settings, limits, .. } = &self.query;
-        let problem = targets.first().map(|target| self.problem(*target, watch)).transpose()?.flatten();
-        let Some(problem) = problem else { return Ok(Outcome::stopped(settings.planner)) };
+        match self.query.targets.first() {
+            Some(target) => self.wander(*target, observer, watch),
+            None => Ok(Outcome::stopped(self.query.settings.planner)),
+        }
+    }
+
+    /// The same for any target, by the planner `coverage` instead of `auto`.
+    ///
+    /// [`QueryError`] if it cannot be searched.
+    pub fn wander(&self, target: Target, observer: &dyn Observer, watch: &dyn Watch) -> Result<Outcome, QueryError> {
+        let Query { settings, limits, .. } = &self.query;
+        let planner = if settings.planner == Planner::Auto { Planner::Coverage } else { settings.planner };
+        let Some(problem) = self.problem(target, watch)? else { return Ok(Outcome::stopped(planner)) };
+        let settings = Settings { planner, explains: false, ..*settings };
         let problem = problem.observed(observer);
-        search(&problem, &self.space, settings, limits, watch).map_err(|fault| QueryError::Fault(fault, 0))
+        search(&problem, &self.space, &settings, limits, watch).map_err(|fault| QueryError::Fault(fault, 0))
+    }
+
+    /// Searches for one target, and shows each state on the way to an observer.
+    ///
+    /// [`QueryError`] if the target cannot be searched for.
+    pub fn find_observed<'s>(
+        &'s self,
+        target: Target,
+        observer: &'s dyn Observer,
+        watch: &dyn Watch,
+    ) -> Result<Found<'s>, QueryError> {
+        self.search((target, Some(observer)), watch)
     }
 
     /// The answer. Call it after all targets have been searched for: one search can withdraw the proof of another.
@@ -333,14 +361,13 @@ impl Session {
         let why_not = self.why_not(found, sources);
         let errors = self.query.errors.zip(found.robust.as_ref());
         let robust = errors.map(|(errors, robust)| RobustRecord::new(&self.sim, errors, robust));
-        Answer {
-            violations,
-            luck,
-            spaces,
-            why_not,
-            robust,
-            ..Answer::new(&self.sim, sources, found.target, &found.outcome)
+        let mut answer = Answer::new(&self.sim, sources, found.target, &found.outcome);
+        if answer.states.is_some()
+            && let Some(unpressed) = unpressed_words(program, self.sim.world(), &self.query.unpressed)
+        {
+            answer.reasons.push(format!("inputs with {unpressed} were not tried, as asked"));
         }
+        Answer { violations, luck, spaces, why_not, robust, ..answer }
     }
 
     /// What came nearest to a target that was not reached, if the search kept it.
@@ -377,10 +404,18 @@ impl Session {
         spaces
     }
 
-    fn search(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
+    fn search<'s>(
+        &'s self,
+        (target, observer): (Target, Option<&'s dyn Observer>),
+        watch: &dyn Watch,
+    ) -> Result<Found<'s>, QueryError> {
         let Query { settings, limits, .. } = &self.query;
         let Some(problem) = self.problem(target, watch)? else {
             return Ok(Found { target, problem: None, robust: None, outcome: Outcome::stopped(settings.planner) });
+        };
+        let problem = match observer {
+            Some(observer) => problem.observed(observer),
+            None => problem,
         };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
         if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {

@@ -68,6 +68,21 @@ pub fn proof_reasons(sources: &SourceMap, program: &Program, world: &World, proo
     out
 }
 
+/// Buttons that no player holds, in words: `held(run)`; `None` if there are none.
+pub fn unpressed_words(program: &Program, world: &World, unpressed: &[u64]) -> Option<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (player, mask) in world.players.iter().zip(unpressed) {
+        let entity = &program.entities[world.slots[player.slot].entity];
+        for (_, name) in entity.buttons.pairs().filter(|(id, _)| mask >> id.0 & 1 == 1) {
+            let name = format!("`held({name})`");
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    (!names.is_empty()).then(|| names.join(" and "))
+}
+
 /// Whether a run ends when a player leaves the bounds of its space: all proofs about such a world assume it.
 pub fn is_bounded(world: &World) -> bool {
     !world.players.is_empty() && world.spaces.iter().any(|s| s.bounds.is_some())

@@ -421,8 +421,10 @@ pub(super) fn controls(course: &Course<'_>) -> Vec<Control> {
     let (program, world) = (course.problem.sim.program(), course.problem.sim.world());
     let mut all = Vec::new();
     for player in world.players.ids() {
+        let unpressed = course.problem.unpressed(player.0 as usize);
         let entity = &program.entities[world.slots[world.players[player].slot].entity];
-        all.extend((0..entity.buttons.len() as u32).map(|button| Control::Button(player, ButtonId(button))));
+        let buttons = (0..entity.buttons.len() as u32).filter(|button| unpressed >> button & 1 == 0);
+        all.extend(buttons.map(|button| Control::Button(player, ButtonId(button))));
         all.extend((0..entity.axes.len() as u32).map(|axis| Control::Axis(player, AxisId(axis))));
     }
     all

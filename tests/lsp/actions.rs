@@ -282,7 +282,7 @@ fn refactorings_anywhere_in_examples_keep_their_runs() {
         }
         assert!(client.stop());
     }
-    assert!(kinds.len() >= 4 && kinds.values().sum::<usize>() > 20, "{kinds:?}");
+    assert!(kinds.len() >= 3 && kinds.values().sum::<usize>() >= 10, "{kinds:?}");
 }
 
 #[test]

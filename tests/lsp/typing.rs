@@ -233,26 +233,19 @@ fn typing_the_examples() {
     patterns.iter().take(60).for_each(|(pattern, count)| println!("{count:4} {pattern}"));
 }
 
-/// Entities that were written after the order of items was settled.
+/// Entities that were written after the order of items was settled; the limits are what they gave at once.
 #[test]
 fn typing_new_entities() {
     let mut all = Count::default();
     for path in crate::support::files("tests/lsp/sessions", "hyped") {
         let count = typed(&std::fs::read_to_string(&path).unwrap());
-        println!("{}: {} {} {}", path.display(), count.positions, count.first, count.among_three);
-        for miss in &count.misses {
-            println!("    {}: {} ⇒ {} {:?} {:?}", miss.line, miss.before.trim(), miss.wanted, miss.place, miss.first);
-        }
         assert!(count.positions >= 150, "{}", path.display());
         all.positions += count.positions;
         all.first += count.first;
         all.among_three += count.among_three;
+        all.misses.extend(count.misses);
     }
-    let percent = |part: usize| part as f64 * 100.0 / all.positions as f64;
-    println!(
-        "{} positions: first {:.1} %, in three {:.1} %",
-        all.positions,
-        percent(all.first),
-        percent(all.among_three)
-    );
+    let percent = |part: usize| part * 100 / all.positions;
+    let (first, among_three) = (percent(all.first), percent(all.among_three));
+    assert!(first >= 71 && among_three >= 86, "first {first} %, in three {among_three} %: {:#?}", all.misses);
 }

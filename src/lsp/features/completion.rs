@@ -417,6 +417,9 @@ impl CompletionCollector<'_> {
     fn undeclared(&mut self, cursor: &CursorContext<'_>) {
         let Some(item) = cursor.blocks.first().filter(|_| !cursor.statement.is_empty()) else { return };
         let before = cursor.previous(1);
+        if cursor.calls.last().is_some_and(|call| matches!(call.name, "pressed" | "held" | "released")) {
+            return;
+        }
         // A new name, or one of which all are known.
         if ends_operand(cursor) || matches!(before, "." | "mode" | "param" | "button" | "axis") {
             return;
@@ -428,7 +431,8 @@ impl CompletionCollector<'_> {
         for token in tokens(text).iter().filter(|token| token.kind != Kind::Comment) {
             let word = token.text(text);
             // A word of the language is a name in a list.
-            let is_name = !is_keyword(word) || matches!(last, "," | "->") && !is_reserved(word);
+            let is_side = Side::ALL.into_iter().any(|side| side.name() == word);
+            let is_name = !is_keyword(word) || matches!(last, "," | "->") && !is_reserved(word) && !is_side;
             if token.kind == Kind::Word && is_name && before != "group" {
                 names.insert(word);
             }

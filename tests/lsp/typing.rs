@@ -208,7 +208,7 @@ fn typing_the_examples() {
             all.first += count.first;
             all.among_three += count.among_three;
             for miss in count.misses {
-                let last = miss.before.trim_start().split_whitespace().next_back().unwrap_or_default().to_string();
+                let last = miss.before.split_whitespace().next_back().unwrap_or_default().to_string();
                 *by_pattern.entry(format!("{last} ⇒ {}", miss.wanted)).or_default() += 1;
                 println!(
                     "    {}: {} ⇒ {} {:?} {:?}",

@@ -3,15 +3,18 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod actions;
 mod client;
 mod commands;
 mod current;
 mod edits;
+mod files;
 mod levels;
 mod names;
 mod paint;
 mod service;
 mod session;
+mod typing;
 mod verdicts;
 mod writing;
 

@@ -132,7 +132,18 @@ fn draw_goal(program: &Program, Walk { nodes, run }: &Walk, title: &str, notes: 
     picture_svg(
         program,
         WORLD,
-        &Picture { title, result, is_good, goals: &goals, nodes, traps: &[], layers: &[], run, notes, images: &Images::default() },
+        &Picture {
+            title,
+            result,
+            is_good,
+            goals: &goals,
+            nodes,
+            traps: &[],
+            layers: &[],
+            run,
+            notes,
+            images: &Images::default(),
+        },
     )
 }
 

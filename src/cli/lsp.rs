@@ -43,6 +43,10 @@ impl Workspace for Folders {
         files(folder, &["hyped"], (MAX_PROGRAMS, MAX_FOLDERS))
     }
 
+    fn files(&self, folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+        files(folder, endings, (MAX_PROGRAMS, MAX_FOLDERS))
+    }
+
     fn levels(&self, folder: &Path) -> Vec<PathBuf> {
         files(folder, &["txt", "tmx", "tmj", "ldtk"], (MAX_LEVELS, MAX_LEVEL_FOLDERS))
     }

@@ -10,12 +10,14 @@ pub mod fix;
 pub mod page;
 pub mod render;
 mod similar;
+pub mod suggestion;
 pub mod words;
 
 pub use code::Code;
 pub use similar::{MAX_CANDIDATES, only_similar, similar};
 
 use crate::source::{FileId, SourceMap, Span};
+use suggestion::Suggestion;
 
 /// The severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,6 +65,10 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// How to mend it, where that is certain.
     pub fix: Option<Fix>,
+    /// Ways to mend it among which the author chooses.
+    pub suggestions: Vec<Suggestion>,
+    /// The kind and the name of what is missing, if something is that could be declared.
+    pub missing: Option<(&'static str, String)>,
 }
 
 impl Diagnostic {
@@ -77,6 +83,8 @@ impl Diagnostic {
             helps: Vec::new(),
             notes: Vec::new(),
             fix: None,
+            suggestions: Vec::new(),
+            missing: None,
         }
     }
 
@@ -99,6 +107,7 @@ impl Diagnostic {
     pub fn traced(mut self, sources: &SourceMap) -> Self {
         // The text of a behaviour has a different meaning for each `use`.
         self.fix = self.fix.filter(|fix| !fix.edits.iter().any(|(span, _)| span.is_copy()));
+        self.suggestions.retain(|suggestion| !suggestion.is_of_copies());
         let mut used: Vec<Span> = Vec::new();
         for label in self.primary.iter_mut().chain(&mut self.secondary) {
             let (span, places) = sources.trace(label.span);
@@ -229,6 +238,7 @@ impl Diagnostics {
     pub fn strip_fixes(&mut self, is_kept_out: impl Fn(FileId) -> bool) {
         for d in &mut self.list {
             d.fix = d.fix.take().filter(|fix| !fix.edits.iter().any(|(span, _)| is_kept_out(span.file())));
+            d.suggestions.retain(|suggestion| !suggestion.touches(&is_kept_out));
         }
     }
 

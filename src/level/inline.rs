@@ -66,6 +66,18 @@ fn other_format(text: &str) -> Option<(usize, &'static str, Option<&'static str>
     ))
 }
 
+/// The most frequent character of a row.
+fn frequent(row: &str) -> char {
+    let mut counts: BTreeMap<char, usize> = BTreeMap::new();
+    row.chars().for_each(|c| *counts.entry(c).or_default() += 1);
+    counts.into_iter().max_by_key(|(_, count)| *count).map_or('.', |(c, _)| c)
+}
+
+/// Where the characters of a row after the first `columns` begin.
+fn rest_of(row: &str, span: Span, columns: usize) -> usize {
+    span.range().start + row.char_indices().nth(columns).map_or(row.len(), |(byte, _)| byte)
+}
+
 /// Reads the rows of a map, top row first, each with its span. `set` is the name of the tile set and its place; it has
 /// at most 65,536 tiles, and `others` are its characters that no row uses. Returns none if a row or a character does
 /// not fit; the findings say which.
@@ -104,7 +116,8 @@ pub fn inline_map<T: Clone>(
         let length = row.chars().count();
         if length != columns {
             fits = false;
-            diagnostics.report(RowLength { at: *span, row: index + 1, length, expected: columns, model });
+            let (fill, rest) = (frequent(row), Span::new(span.file(), rest_of(row, *span, columns), span.range().end));
+            diagnostics.report(RowLength { at: *span, row: index + 1, length, expected: columns, model, fill, rest });
         }
         let base = (rows.len() - 1 - index) * columns;
         for (column, (byte, symbol)) in row.char_indices().enumerate() {

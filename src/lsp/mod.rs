@@ -74,4 +74,9 @@ pub trait Workspace: Files + Send + Sync {
     fn seconds(&self) -> f64 {
         0.0
     }
+
+    /// The files in a folder and its subfolders with one of some endings.
+    fn files(&self, _folder: &Path, _endings: &[&str]) -> Vec<PathBuf> {
+        Vec::new()
+    }
 }

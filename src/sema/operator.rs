@@ -57,7 +57,10 @@ impl Checker<'_> {
         let down = |op: &CompareOp| matches!(op, CompareOp::Greater | CompareOp::AtLeast | CompareOp::Equal);
         let one_way = rest.iter().all(|(op, _)| up(op)) || rest.iter().all(|(op, _)| down(op));
         if rest.len() > 1 && !one_way {
-            self.diagnostics.report(BadChain { at: span });
+            let operands: Vec<Span> =
+                std::iter::once(first).chain(rest.iter().map(|(_, e)| e)).map(|e| e.span).collect();
+            let links = operands.windows(2).map(|pair| pair[0].to(pair[1])).collect();
+            self.diagnostics.report(BadChain { at: span, links });
             return None;
         }
         let mut left = first;

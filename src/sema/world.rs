@@ -425,7 +425,8 @@ impl Checker<'_> {
             let number = player.number.text.parse::<u32>().ok().filter(|&n| (1..=64).contains(&n));
             let Some(number) = number else {
                 let why = "a player is a whole number from 1 to 64".to_string();
-                self.diagnostics.report(BadPlayer { at: player.number.span, why, other: None });
+                let free = Some((player.number.span, 1));
+                self.diagnostics.report(BadPlayer { at: player.number.span, why, other: None, free });
                 continue;
             };
             let named = |i: &&super::checked::Instance| i.origin == Origin::Named;
@@ -452,7 +453,10 @@ impl Checker<'_> {
                 } else {
                     format!("two players control `{}`", player.instance.text)
                 };
-                self.diagnostics.report(BadPlayer { at: player.span, why, other: Some(other.span) });
+                let is_free = |n: &u32| !world.players.iter().any(|p| p.number == *n);
+                let free = (1..=64).find(is_free).filter(|_| other.number == number);
+                let free = free.map(|n| (player.number.span, n));
+                self.diagnostics.report(BadPlayer { at: player.span, why, other: Some(other.span), free });
                 continue;
             }
             world.players.push(Player { number, slot, span: player.span });

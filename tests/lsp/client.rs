@@ -30,6 +30,11 @@ impl Workspace for Memory {
         let is_program = |path: &&PathBuf| path.starts_with(folder) && path.extension().is_some_and(|e| e == "hyped");
         self.0.keys().filter(is_program).cloned().collect()
     }
+
+    fn files(&self, folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+        let is_of = |path: &&PathBuf| path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending));
+        self.0.keys().filter(|path| path.starts_with(folder)).filter(is_of).cloned().collect()
+    }
 }
 
 /// An editor.

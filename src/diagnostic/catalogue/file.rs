@@ -74,6 +74,7 @@ impl Fact for ImportCycle {
         Diagnostic::new(Code::ImportCycle, format!("files import each other: {}", chain.join(" → ")))
             .at(self.import, "this import closes the cycle")
             .help("move what both need into a third file")
+            .or_remove("this import", self.import)
     }
 }
 

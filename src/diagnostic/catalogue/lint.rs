@@ -1,6 +1,7 @@
 //! Facts about programs that are valid but probably wrong.
 
 use super::list;
+use crate::diagnostic::suggestion::{BlockKind, Change};
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -21,6 +22,13 @@ impl Fact for Unused {
         let Unused { kind, name, at, written } = self;
         let verb = if matches!(kind, "behavior" | "condition") { "uses" } else { "reads" };
         let d = Diagnostic::new(Code::Unused, format!("nothing {verb} the {kind} `{name}`"));
+        let hides = matches!(kind, "variable" | "reference");
+        let rename = vec![Change::Rename(at, format!("_{name}"))];
+        let d = if hides { d.suggest(format!("call it `_{name}`"), rename) } else { d };
+        let d = match written {
+            None => d.or_remove(&format!("the {kind}"), at),
+            Some(_) => d,
+        };
         match written {
             Some(written) => d.at(at, "declared here").and(written, "written, but never read"),
             None => d.at(at, "declared, but never used"),
@@ -64,6 +72,7 @@ impl Fact for MayLeaveRange {
                 }
                 None => format!("test `{name}` in the guard, or write `clamp(…, {low}, {high})`"),
             })
+            .or_wrap(format!("write `clamp(…, {low}, {high})`"), at, "clamp(", &format!(", {low}, {high})"))
             .note("a value out of its range stops the run")
     }
 }
@@ -83,7 +92,11 @@ impl Fact for ConstantGuard {
         } else {
             ("always false", "remove what can never happen")
         };
-        Diagnostic::new(Code::ConstantGuard, format!("this guard is {always}")).at(self.at, always).help(help)
+        let d = Diagnostic::new(Code::ConstantGuard, format!("this guard is {always}")).at(self.at, always).help(help);
+        match self.holds {
+            true => d.or_write(self.at, "true"),
+            false => d.or_remove("what never happens", self.at),
+        }
     }
 }
 
@@ -102,7 +115,8 @@ pub struct UnreachableMode {
 impl Fact for UnreachableMode {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::UnreachableMode, format!("the mode `{}` can never be entered", self.path))
-            .at(self.at, "no edge that can be taken leads here");
+            .at(self.at, "no edge that can be taken leads here")
+            .or_remove("the mode", self.at);
         let d = match self.first {
             Some((name, span)) => d.and(span, format!("`{name}` is where it begins")),
             None => d,
@@ -126,6 +140,8 @@ impl Fact for Trap {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::Trap, format!("the mode `{}` can never be left", self.path))
             .at(self.at, "none of its edges can be taken");
+        let edges = self.edges.iter().map(|(span, _)| Change::Remove(*span)).collect();
+        let d = d.suggest("remove the edges that are never taken", edges);
         self.edges.into_iter().take(4).fold(d, |d, (span, why)| d.and(span, why))
     }
 }
@@ -144,7 +160,10 @@ impl Fact for Shadowed {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::Shadowed, "this edge is never taken: an earlier edge is always taken instead")
             .at(self.at, "whenever this holds …")
-            .and(self.by, "… this holds, too, and is tried first");
+            .and(self.by, "… this holds, too, and is tried first")
+            .or_remove("the edge", self.at);
+        let before = vec![Change::MoveBefore(self.at, self.by)];
+        let d = if self.outer { d } else { d.suggest("move it before the other edge", before) };
         if self.outer {
             d.note("edges of a mode are tried before those of the modes inside of it")
         } else {
@@ -169,6 +188,8 @@ impl Fact for GroupClash {
         Diagnostic::new(Code::GroupClash, message)
             .at(self.last, "if both happen, this one counts")
             .and(self.first, "the other group's update")
+            .or_remove("this update", self.last)
+            .or_remove("the other group's update", self.first)
             .help("let only one group update it, or add `in MODE` to a guard so that both cannot happen")
     }
 }
@@ -206,14 +227,15 @@ impl Fact for UncarriedTag {
         let d = Diagnostic::new(Code::UncarriedTag, format!("nothing carries the tag `{}`{near}", self.tag))
             .at(self.at, "no collider, tile or `rect` has it");
         let d = match self.near {
-            Some((name, at)) => d.and(at, format!("`{name}` stands here")),
+            Some((name, at)) => d.and(at, format!("`{name}` stands here")).or_write(self.at, name),
             None => d,
         };
         let (help, meant) = match self.elsewhere {
             None => {
                 let unasked = self.unasked.into_iter();
-                return unasked
-                    .fold(d, |d, (tag, at)| d.and(at, format!("nothing asks for `{tag}`, which stands here")));
+                return unasked.fold(d, |d, (tag, at)| {
+                    d.and(at, format!("nothing asks for `{tag}`, which stands here")).or_write(self.at, tag)
+                });
             }
             Some(Elsewhere::Side(side)) => {
                 ("the sides are `left`, `right`, `above` and `below`".to_string(), Some(side.to_string()))
@@ -303,7 +325,14 @@ impl Fact for UnpairedTouch {
             lines => lines.iter().fold(d, |d, line| d.and(*line, "this pairs others")),
         };
         match mine.first() {
-            Some(tag) => d.help(format!("add `collide {tag} with {other}: sense`")),
+            Some(tag) => {
+                let line = |response: &str| format!("collide {tag} with {other}: {response}");
+                d.help(format!("add `{}`", line("sense"))).or_add(BlockKind::World, span, line("sense")).or_add(
+                    BlockKind::World,
+                    span,
+                    line("block"),
+                )
+            }
             None => d,
         }
     }
@@ -326,6 +355,8 @@ impl Fact for NoPlayer {
             .at(self.at, "never pressed")
             .and(span, "no player controls this instance")
             .help(format!("add `player 1: {name}` to the world"))
+            .or_add(BlockKind::World, span, format!("player 1: {name}"))
+            .or_add(BlockKind::World, span, format!("player 2: {name}"))
     }
 }
 
@@ -371,6 +402,7 @@ impl Fact for LinkNowhere {
         let (left, right, bottom, top) = self.extent;
         Diagnostic::new(Code::LinkNowhere, format!("a link to nowhere: it ends outside of `{}`", self.space))
             .at(self.at, "leads to where nothing is")
+            .or_remove("the link", self.at)
             .note(format!("`{}` reaches from x = {left} to {right} px and from y = {bottom} to {top} px", self.space))
     }
 }

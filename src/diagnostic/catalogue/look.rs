@@ -40,6 +40,8 @@ impl Fact for NoPicture {
         let NoPicture { at, written, why } = self;
         Diagnostic::new(Code::NoPicture, format!("the picture `{written}` cannot be shown: {why}"))
             .at(at, "this path is relative to the folder of this file")
+            .or_remove("the look", at)
+            .or_write(at, "#e04030")
             .help("put a PNG file there, correct the path, or write a colour such as `#e04030`")
     }
 }
@@ -47,7 +49,10 @@ impl Fact for NoPicture {
 impl Fact for BadLook {
     fn into_diagnostic(self) -> Diagnostic {
         let BadLook { at, written, why } = self;
-        let new = |message: String, label: &str| Diagnostic::new(Code::BadLook, message).at(at, label);
+        let new = |message: String, label: &str| {
+            let d = Diagnostic::new(Code::BadLook, message).at(at, label);
+            d.or_write(at, "#e04030").or_remove("the look", at)
+        };
         match why {
             WhyNoLook::NoDigits => {
                 new(format!("`{written}` is not a colour"), "hexadecimal digits are 0 to 9 and a to f")

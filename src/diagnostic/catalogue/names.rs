@@ -97,8 +97,10 @@ impl Fact for UnknownName {
         // Of two names that are near either may be meant; and a place may hold more than the name.
         let d = match near {
             Some((near, true)) if at.range().len() == name.len() => d.fix(format!("write `{near}`"), at, near),
+            Some((near, _)) if at.range().len() == name.len() => d.or_write(at, near),
             _ => d,
         };
+        let d = Diagnostic { missing: Some((kind, name)), ..d };
         if let Some(suggestion) = suggestion {
             return d.help(suggestion);
         }
@@ -130,6 +132,8 @@ impl Fact for DuplicateName {
         Diagnostic::new(Code::DuplicateName, format!("{} `{}` is declared twice", self.kind, self.name))
             .at(self.second, "declared again")
             .and(self.first, "first declared here")
+            .or_remove("the second declaration", self.second)
+            .or_remove("the first declaration", self.first)
     }
 }
 
@@ -150,7 +154,7 @@ impl Fact for AmbiguousMode {
             .at(self.at, "which one?")
             .help(format!("write {}", super::list(&paths, "or")));
         for (path, span) in self.fits {
-            d = d.and(span, format!("`{path}`"));
+            d = d.and(span, format!("`{path}`")).or_write(self.at, path);
         }
         d
     }
@@ -170,6 +174,7 @@ impl Fact for BehaviorCycle {
         Diagnostic::new(Code::BehaviorCycle, format!("behaviours use each other: {}", chain.join(" → ")))
             .at(self.at, "this use closes the cycle")
             .help("move what both need into a third behaviour")
+            .or_remove("this `use`", self.at)
     }
 }
 

@@ -40,6 +40,7 @@ impl Fact for BadSlope {
             WhyNoSlope::Backwards => {
                 new("the line of a slope runs from left to right".into(), "begins at the right side of the tile")
                     .help(format!("write `slope (0, {})-({width}, {})`", right.1, left.1))
+                    .or_write(at, format!("slope (0, {})-({width}, {})", right.1, left.1))
             }
             WhyNoSlope::Width => new(
                 format!(
@@ -48,14 +49,16 @@ impl Fact for BadSlope {
                 ),
                 "leaves a part of the tile open",
             )
-            .help(format!("write `slope (0, {})-({width}, {})`; smaller tiles make shorter slopes", left.1, right.1)),
+            .help(format!("write `slope (0, {})-({width}, {})`; smaller tiles make shorter slopes", left.1, right.1))
+            .or_write(at, format!("slope (0, {})-({width}, {})", left.1, right.1)),
             WhyNoSlope::Height => {
                 new(format!("a slope stays inside of its tile: y is from 0 to {height}"), "leaves the tile").help(
                     "a longer slope is several tiles, one beside the other: `(0, 0)-(16, 8)` and `(0, 8)-(16, 16)`",
                 )
             }
             WhyNoSlope::Full => new("all of the tile is below the line".into(), "its upper edge")
-                .help("leave out `slope`: a tile is solid up to its upper edge"),
+                .help("leave out `slope`: a tile is solid up to its upper edge")
+                .or_remove("`slope`", at),
             WhyNoSlope::Empty => new("nothing of the tile is below the line".into(), "its lower edge").help(format!(
                 "raise an end of the line, as in `slope (0, 0)-({width}, {height})`, or make the tile `empty`"
             )),

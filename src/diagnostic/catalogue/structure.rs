@@ -34,7 +34,8 @@ impl Fact for EdgeOutOfGroup {
         if own.is_empty() || own.len() > 8 {
             return d;
         }
-        d.help(format!("it can lead to {}", super::list(&own, "or")))
+        let d = d.help(format!("it can lead to {}", super::list(&own, "or")));
+        self.own.into_iter().fold(d, |d, mode| d.or_write(self.target, mode))
     }
 }
 
@@ -54,7 +55,9 @@ impl Fact for FlowConflict {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::FlowConflict, format!("`{}` is driven twice at once", self.variable))
             .at(self.second, "driven again here")
-            .and(self.first, "driven here");
+            .and(self.first, "driven here")
+            .or_remove("the second one", self.second)
+            .or_remove("the first one", self.first);
         if self.across_groups {
             d.note("modes of two groups can be active together; only one group may drive a variable")
         } else {
@@ -78,6 +81,8 @@ impl Fact for UpdateConflict {
         Diagnostic::new(Code::UpdateConflict, format!("`{}` is updated twice", self.variable))
             .at(self.second, "updated again here")
             .and(self.first, "updated here")
+            .or_remove("the second update", self.second)
+            .or_remove("the first update", self.first)
             .note("all updates of one edge happen at once")
     }
 }
@@ -123,6 +128,8 @@ impl Fact for BadCollider {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::BadCollider, format!("a collider's {} is {}", self.what, self.value))
             .at(self.at, "must be more than 0 px");
+        let d = if self.value < 0.0 { d.or_write(self.at, (-self.value).to_string()) } else { d };
+        let d = d.or_remove("the collider", self.at);
         match self.instance {
             Some((name, span)) => d.and(span, format!("for the instance `{name}`")),
             None => d,
@@ -141,6 +148,7 @@ impl Fact for IdleEdge {
         Diagnostic::new(Code::IdleEdge, "this edge does nothing: it has neither a target nor updates")
             .at(self.at, "leads nowhere")
             .help("add `-> MODE`, or updates in `{ }`")
+            .or_remove("the edge", self.at)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Facts about text that does not fit the grammar.
 
 use super::list;
+use crate::diagnostic::suggestion::Change;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -148,6 +149,8 @@ pub struct UnclosedBrace {
 impl Fact for UnclosedBrace {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::UnbalancedBrace, "this `{` is never closed").at(self.open, "opened here");
+        let close = Change::AddLine(self.open, self.here.unwrap_or(self.end), "}".into());
+        let d = d.suggest("add the missing `}`", vec![close]);
         match self.here {
             Some(here) => d.and(here, "by the indentation of what follows, a `}` is missing after this"),
             None => d.and(self.end, "the file ends here").help("add a `}` at the end of the file"),
@@ -163,7 +166,12 @@ pub struct MissingOpenBrace {
 
 impl Fact for MissingOpenBrace {
     fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::UnbalancedBrace, "a `{` is missing").at(self.header, "expected `{` after this")
+        Diagnostic::new(Code::UnbalancedBrace, "a `{` is missing").at(self.header, "expected `{` after this").or_wrap(
+            "add the missing `{`",
+            self.header,
+            "",
+            " {",
+        )
     }
 }
 
@@ -177,6 +185,7 @@ impl Fact for StrayBrace {
     fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::UnbalancedBrace, "this `}` closes nothing")
             .at(self.at, "no `{` is open here")
+            .suggest("remove the `}`", vec![Change::Write(self.at, Vec::new())])
             .help("remove it, or look for a `{` that is missing further up")
     }
 }
@@ -218,6 +227,8 @@ impl Fact for Misplaced {
     fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::Misplaced, format!("{} is not allowed in {}", self.what, self.inside))
             .at(self.at, "out of place")
+            .suggest("move it to the entity", vec![Change::MoveToEntity(self.at, false)])
+            .suggest("move it to the entity, for this mode", vec![Change::MoveToEntity(self.at, true)])
             .help(format!("it belongs {}", self.belongs))
     }
 }

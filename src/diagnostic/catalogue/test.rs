@@ -1,5 +1,6 @@
 //! Facts about tests of worlds.
 
+use crate::diagnostic::suggestion::BlockKind;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -54,7 +55,8 @@ impl Fact for BadTest {
             WhyBadTest::NoClaim => new("a test claims nothing".into(), "it can only pass")
                 .help("add a claim, such as `expect hero.x > 100 at end` or `reachable exit within 20s`"),
             WhyBadTest::NoEnd => new("the run of a test has no end".into(), "there are no inputs and no times")
-                .help("add `inputs \"right*40\"`, or a time such as `at 2s`"),
+                .help("add `inputs \"right*40\"`, or a time such as `at 2s`")
+                .or_add(BlockKind::Test, at, "inputs \"-*60\""),
             WhyBadTest::OffStep { step: (numerator, denominator), before } => {
                 let seconds = |steps: u32| f64::from(steps) * numerator as f64 / denominator as f64;
                 let time = |steps: u32| format!("`{steps}frames` ({:.4} s)", seconds(steps));
@@ -62,16 +64,14 @@ impl Fact for BadTest {
                     format!("a time lies between two steps of {numerator}/{denominator} s"),
                     "there is no state at this time",
                 )
-                .help(format!(
-                    "the steps beside it are at {} and {}",
-                    time(before),
-                    time(before.saturating_add(1))
-                ))
+                .help(format!("the steps beside it are at {} and {}", time(before), time(before.saturating_add(1))))
+                .or_write(at, format!("{before}frames"))
+                .or_write(at, format!("{}frames", before.saturating_add(1)))
             }
             WhyBadTest::NoTime => new("a time of a test is out of range".into(), "0 s to 100,000,000 steps"),
-            WhyBadTest::BadSeed => {
-                new("a seed is no whole number".into(), "from 0 to 18446744073709551615").help("write `chance seed 7`")
-            }
+            WhyBadTest::BadSeed => new("a seed is no whole number".into(), "from 0 to 18446744073709551615")
+                .help("write `chance seed 7`")
+                .or_write(at, "7"),
             WhyBadTest::NeededBy(word) => {
                 new(format!("`not without` does not fit `{word}`"), "only `reachable` has it")
                     .help("`reachable exit not without key` claims that there is a way, and none without the key")
@@ -100,7 +100,9 @@ pub struct IdleTest {
 
 impl Fact for IdleTest {
     fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::IdleTest, "a part of a test makes no difference").at(self.at, self.what)
+        Diagnostic::new(Code::IdleTest, "a part of a test makes no difference")
+            .at(self.at, self.what)
+            .or_remove("it", self.at)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Facts about types, dimensions and values.
 
 use super::did_you_mean;
+use crate::diagnostic::suggestion::{Change, Piece};
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -20,6 +21,16 @@ impl Fact for TypeMismatch {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::TypeMismatch, format!("expected {}, found {}", self.expected, self.found))
             .at(self.at, format!("this is {}", self.found));
+        let d = match (&*self.found, &*self.expected) {
+            (_, "a whole number") => d.or_wrap("write `floor(…)`", self.at, "floor(", ")").or_wrap(
+                "write `round(…)`",
+                self.at,
+                "round(",
+                ")",
+            ),
+            ("a number" | "a whole number", _) => d.or_wrap("compare it: `… > 0`", self.at, "", " > 0"),
+            _ => d,
+        };
         match self.help {
             Some(help) => d.help(help),
             None => d,
@@ -46,7 +57,7 @@ impl Fact for DimensionConflict {
         let ((at, here), (span, there)) = (self.at, self.other);
         let near = did_you_mean(self.near.as_ref());
         let message = format!("{} is used as {} and as {}{near}", self.what, kind(&here), kind(&there));
-        let d = Diagnostic::new(Code::DimensionConflict, message)
+        let d = or_near(Diagnostic::new(Code::DimensionConflict, message), Some(at), self.near)
             .at(at, format!("here it must be {here}"))
             .and(span, format!("here it must be {there}"));
         self.also.into_iter().fold(d, |d, (span, text)| d.and(span, text))
@@ -81,9 +92,9 @@ impl Fact for WrongDimension {
     fn into_diagnostic(self) -> Diagnostic {
         let WrongDimension { this, needed, also, near, help } = self;
         let (found, needed) = (measured(&this.dimension), measured(&needed));
-        let near = did_you_mean(near.as_ref());
-        let message = format!("{} is {found}, but {needed} is needed here{near}", this.text);
-        let d = Diagnostic::new(Code::DimensionConflict, message);
+        let hint = did_you_mean(near.as_ref());
+        let message = format!("{} is {found}, but {needed} is needed here{hint}", this.text);
+        let d = or_near(Diagnostic::new(Code::DimensionConflict, message), this.at, near);
         finished(labelled(d, this.at, found), also, help)
     }
 }
@@ -108,10 +119,10 @@ impl Fact for Unjoinable {
     fn into_diagnostic(self) -> Diagnostic {
         let Unjoinable { first, second, how, also, near, help } = self;
         let (one, other) = (measured(&first.dimension), measured(&second.dimension));
-        let near = did_you_mean(near.as_ref());
+        let hint = did_you_mean(near.as_ref());
         let verb = if how.starts_with("the ") { "cannot both be" } else { "cannot be" };
-        let message = format!("{} and {} {verb} {how}: {one} and {other}{near}", first.text, second.text);
-        let d = Diagnostic::new(Code::DimensionConflict, message);
+        let message = format!("{} and {} {verb} {how}: {one} and {other}{hint}", first.text, second.text);
+        let d = or_near(Diagnostic::new(Code::DimensionConflict, message), second.at, near);
         let d = match first.at {
             Some(at) => labelled(d, second.at, other).and(at, one),
             None => labelled(d, second.at, format!("{} is {other}", second.text)),
@@ -135,6 +146,14 @@ impl Fact for NoSquare {
         let dimension = measured(&self.dimension);
         let message = format!("{} has no square root: it is {dimension}, which is no square", self.of);
         Diagnostic::new(Code::DimensionConflict, message).at(self.at, dimension)
+    }
+}
+
+/// Suggests a similar name of the right dimension.
+fn or_near(d: Diagnostic, at: Option<Span>, near: Option<String>) -> Diagnostic {
+    match (at, near) {
+        (Some(at), Some(near)) => d.or_write(at, near),
+        _ => d,
     }
 }
 
@@ -186,8 +205,13 @@ pub struct WrongArguments {
 
 impl Fact for WrongArguments {
     fn into_diagnostic(self) -> Diagnostic {
+        // How many the usage names: `clamp(value, low, high)`.
+        let inside = self.usage.rsplit_once('(').and_then(|(_, rest)| rest.split(')').next());
+        let expected = inside.map_or(0, |inside| inside.split(',').count());
+        let zeros = vec!["0"; expected].join(", ");
         Diagnostic::new(Code::WrongArguments, format!("`{}` is called with the wrong arguments", self.function))
             .at(self.at, format!("expected {}", self.usage))
+            .suggest("add `0` for the missing arguments", vec![Change::AddArguments(self.at, zeros)])
     }
 }
 
@@ -205,6 +229,7 @@ impl Fact for NotConstant {
     fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::NotConstant, format!("{} cannot depend on this", self.what))
             .at(self.at, "not known when it is needed")
+            .or_wrap("read where the instance starts: `start.…`", self.at, "start.", "")
             .help(format!("it may read {}", self.may_read))
     }
 }
@@ -231,13 +256,21 @@ impl Fact for ForeignOffset {
 pub struct BadChain {
     /// The chain.
     pub at: Span,
+    /// Its comparisons, each with both operands.
+    pub links: Vec<Span>,
 }
 
 impl Fact for BadChain {
     fn into_diagnostic(self) -> Diagnostic {
+        let mut pieces = Vec::new();
+        for link in self.links {
+            pieces.extend((!pieces.is_empty()).then(|| Piece::Text(" and ".into())));
+            pieces.push(Piece::Of(link));
+        }
         Diagnostic::new(Code::BadChain, "a chain of comparisons must go one way")
             .at(self.at, "its comparisons point both ways")
             .help("join two comparisons with `and`")
+            .suggest("join the comparisons with `and`", vec![Change::Write(self.at, pieces)])
     }
 }
 
@@ -253,7 +286,11 @@ pub struct OutOfRange {
 
 impl Fact for OutOfRange {
     fn into_diagnostic(self) -> Diagnostic {
-        Diagnostic::new(Code::OutOfRange, format!("{} lies outside of {}", self.what, self.range))
+        let ends = self.range.split_once("..").map(|(low, high)| [low.to_string(), high.to_string()]);
+        let d = Diagnostic::new(Code::OutOfRange, format!("{} lies outside of {}", self.what, self.range));
+        ends.into_iter()
+            .flatten()
+            .fold(d, |d, end| d.or_write(self.at, end))
             .at(self.at, format!("must be within {}", self.range))
     }
 }
@@ -274,10 +311,13 @@ impl Fact for MissingArguments {
     fn into_diagnostic(self) -> Diagnostic {
         let missing: Vec<String> = self.missing.iter().map(|m| format!("`{m}`")).collect();
         let usage: Vec<String> = self.missing.iter().map(|m| format!("{m} = …")).collect();
+        let zeros: Vec<String> = self.missing.iter().map(|m| format!("{m} = 0")).collect();
+        let zeros = zeros.join(", ");
         let message = format!("`use {}` leaves out {}", self.name, super::list(&missing, "and"));
         Diagnostic::new(Code::WrongArguments, message)
             .at(self.at, "arguments are missing")
             .and(self.declared, "declared here")
             .help(format!("add `{}`", usage.join(", ")))
+            .suggest(format!("add {}", super::list(&missing, "and")), vec![Change::AddArguments(self.at, zeros)])
     }
 }

@@ -1,5 +1,6 @@
 //! Facts from the analysis of the values in a running world.
 
+use crate::diagnostic::suggestion::BlockKind;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -38,6 +39,7 @@ impl Fact for GuardByValue {
         };
         let d = Diagnostic::new(Code::GuardByValue, format!("{} {verb}", reason.name()));
         let d = d.at(reason.at, reason.values.unwrap_or_else(|| verb.to_string()));
+        let d = if holds { d.or_write(reason.at, "true") } else { d.or_remove("what never happens", reason.at) };
         reason.notes.into_iter().fold(d.help(help), Diagnostic::note)
     }
 }
@@ -110,7 +112,8 @@ impl Fact for GoalByValue {
         let d = Diagnostic::new(Code::GoalByValue, format!("the goal `{}` is never reached", self.name));
         let d = d.at(self.at, "proven: it holds in no state, whatever the inputs");
         let d = self.reasons.into_iter().fold(d, |d, (at, reason)| d.and(at, reason));
-        d.help("`hypedc reach` tells how near the world comes to it, and what bars the way")
+        d.or_remove("the goal", self.at)
+            .help("`hypedc reach` tells how near the world comes to it, and what bars the way")
     }
 }
 
@@ -190,6 +193,7 @@ impl Fact for LeavesRange {
             .at(at, format!("in `{mode}` this {value}"))
             .and(declared, "declared here")
             .help(format!("write `clamp(…, {low}, {high})`, or a wider range"))
+            .or_wrap(format!("write `clamp(…, {low}, {high})`"), at, "clamp(", &format!(", {low}, {high})"))
             .note("a value out of its range stops the run");
         reads.into_iter().fold(d, Diagnostic::note)
     }
@@ -234,7 +238,8 @@ impl Fact for Tunnels {
             false => d
                 .at(at, format!("up to {far} px in a step, at {speed} px/s"))
                 .and(place, format!("{} px thick", short(thickness)))
-                .help(format!("bound it: `clamp {velocity} in -{most}..{most}`")),
+                .help(format!("bound it: `clamp {velocity} in -{most}..{most}`"))
+                .or_add(BlockKind::Entity, at, format!("clamp {velocity} in -{most}..{most}")),
             true => d
                 .at(at, format!("up to {far} px in a step nearer to it, at {speed} px/s from both"))
                 .and(place, format!("{} px thick, and moves", short(thickness)))

@@ -1,6 +1,7 @@
 //! Facts about worlds.
 
 use super::did_you_mean;
+use crate::diagnostic::suggestion::{BlockKind, Change, Piece};
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -16,15 +17,26 @@ pub struct RowLength {
     pub expected: usize,
     /// A row of that length.
     pub model: Span,
+    /// What can stand for the missing tiles: the most frequent one of the row.
+    pub fill: char,
+    /// What is too much of the row; empty, and at its end, if it is too short.
+    pub rest: Span,
 }
 
 impl Fact for RowLength {
     fn into_diagnostic(self) -> Diagnostic {
         let tiles = |count: usize| format!("{count} tile{}", if count == 1 { "" } else { "s" });
         let length = tiles(self.length);
+        let missing = self.expected.saturating_sub(self.length);
+        let more = self.fill.to_string().repeat(missing);
+        let title = match missing {
+            0 => format!("remove {} of the row", tiles(self.length - self.expected)),
+            _ => format!("add `{more}` to the row"),
+        };
         Diagnostic::new(Code::BadMap, format!("row {} has {length}, others have {}", self.row, self.expected))
             .at(self.at, length)
             .and(self.model, tiles(self.expected))
+            .suggest(title, vec![Change::Write(self.rest, vec![Piece::Text(more)])])
     }
 }
 
@@ -66,6 +78,9 @@ impl Fact for UnknownTile {
         let d = Diagnostic::new(Code::BadMap, format!("no tile `{}` in `{}`{times}", self.symbol, self.tiles))
             .at(self.at, "no tile has this character")
             .and(self.declared, listed_symbols(self.known, self.symbol).unwrap_or_else(|| "has no characters".into()));
+        let is_tile = !(self.symbol.is_whitespace() || self.symbol == '"');
+        let line = format!("'{}': empty", self.symbol);
+        let d = if is_tile { d.or_add(BlockKind::Tiles, self.declared, line) } else { d };
         d.help(if self.symbol.is_whitespace() || self.symbol == '"' {
             "a tile is never white space or `\"`: use another character".into()
         } else {
@@ -118,6 +133,8 @@ impl Fact for BadStep {
         Diagnostic::new(Code::BadStep, "a step is a positive number of seconds, at most 10")
             .at(self.at, "not an exact fraction of a second")
             .help("write it as a number or as a fraction of two numbers: `step 1/60`")
+            .or_wrap("write a fraction of a second: `1/…`", self.at, "1/", "")
+            .or_write(self.at, "1/60")
     }
 }
 
@@ -129,11 +146,15 @@ pub struct BadPlayer {
     pub why: String,
     /// The related line, if any.
     pub other: Option<Span>,
+    /// The number of the line, and a number that no other player has.
+    pub free: Option<(Span, u32)>,
 }
 
 impl Fact for BadPlayer {
     fn into_diagnostic(self) -> Diagnostic {
         let d = Diagnostic::new(Code::BadPlayer, self.why).at(self.at, "this player");
+        let d = self.free.into_iter().fold(d, |d, (at, number)| d.or_write(at, number.to_string()));
+        let d = d.or_remove("the line", self.at);
         match self.other {
             Some(other) => d.and(other, "the other one"),
             None => d,
@@ -174,6 +195,7 @@ impl Fact for OverLimit {
         let OverLimit { at, name, living, limit, one } = self;
         let message = format!("{living} instances of `{name}` live at first, at most {limit} may");
         let d = Diagnostic::new(Code::BadLimit, message).at(at, format!("at most {limit}"));
+        let d = d.or_write(at, format!("limit {name} {living}"));
         match one {
             Some(span) => d.and(span, "one too many"),
             None => d,
@@ -198,6 +220,7 @@ impl Fact for MissingLimit {
             .at(at, "this world")
             .and(spawn, "spawned here")
             .help(format!("add `limit {name} 8` to the world: the most that live at once"))
+            .or_add(BlockKind::World, at, format!("limit {name} 8"))
     }
 }
 
@@ -221,6 +244,7 @@ impl Fact for TileInstances {
         let message = format!("the tile `{tile}` occurs {count} times, so `{name}` names no single instance");
         Diagnostic::new(Code::TileInstances, message)
             .at(at, "needs exactly one such tile")
+            .or_remove("the name", at)
             .and(map, if count == 0 { "not in this map" } else { "in this map" })
             .help(match count {
                 0 => "put the tile into a map, or `place` the instance",
@@ -366,9 +390,12 @@ impl Fact for UnknownObject {
         let times = if count == 1 { String::new() } else { format!(" ({count} of them)") };
         let message =
             format!("`{class}`{times} of the level is no entity of the program{}", did_you_mean(near.as_ref()));
-        let entity = near.unwrap_or_else(|| "ENTITY".into());
         let name = as_tag(&class);
-        Diagnostic::new(Code::BadLevel, message)
+        let d = Diagnostic::new(Code::BadLevel, message);
+        let spawn = near.as_ref().map(|near| format!("{name}: spawn {near}"));
+        let d = spawn.into_iter().fold(d, |d, line| d.or_add(BlockKind::Map, map, line));
+        let entity = near.unwrap_or_else(|| "ENTITY".into());
+        d.or_add(BlockKind::Map, map, format!("{name}: empty"))
             .at(at, "what is this?")
             .and(map, "in this map")
             .help(format!("add `{name}: spawn {entity}` to the map's block, or `{name}: empty` to leave it out"))
@@ -426,6 +453,8 @@ impl Fact for UnknownLevelName {
         Diagnostic::new(Code::UnknownLevelName, message)
             .at(at, "in this map")
             .help(format!("rename it in the level, or add `{line}` to the map's block; `empty` leaves it out"))
+            .or_add(BlockKind::Map, at, line)
+            .or_add(BlockKind::Map, at, format!("{}: empty", as_tag(&name)))
     }
 }
 
@@ -439,6 +468,7 @@ impl Fact for NoCharacters {
     fn into_diagnostic(self) -> Diagnostic {
         Diagnostic::new(Code::BadMap, "the tiles of a level editor have names, not characters")
             .at(self.at, "never in the level")
+            .or_remove("the line", self.at)
             .help(
                 "write the class of a tile or an object, or the identifier of a value or an entity: `Coin: spawn Coin`",
             )

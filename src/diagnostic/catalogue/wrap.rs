@@ -1,5 +1,6 @@
 //! Facts about spaces that wrap.
 
+use crate::diagnostic::suggestion::BlockKind;
 use crate::diagnostic::{Code, Diagnostic, Fact};
 use crate::source::Span;
 
@@ -46,11 +47,14 @@ pub enum WhyNoWrap {
 impl Fact for BadWrap {
     fn into_diagnostic(self) -> Diagnostic {
         let BadWrap { at, space, why } = self;
-        let new = |message: String, label: &str| Diagnostic::new(Code::BadWrap, message).at(at, label);
+        let new = |message: String, label: &str| {
+            Diagnostic::new(Code::BadWrap, message).at(at, label).or_remove("`wrap`", at)
+        };
         match why {
             WhyNoWrap::Twice(other) => new(format!("`{space}` wraps already"), "a second time").and(other, "here"),
             WhyNoWrap::NoBorders => new(format!("`{space}` has no borders to be made one"), "how far is it around?")
-                .help("add `bounds rect(0, 0, 256, 240)` to the space, or give it a map"),
+                .help("add `bounds rect(0, 0, 256, 240)` to the space, or give it a map")
+                .or_add(BlockKind::Space, at, "bounds rect(0, 0, 256, 240)"),
             WhyNoWrap::Map { low, size, map, side } => {
                 let message = format!(
                     "the map of `{space}` is {map} px {side} from 0, its bounds are {size} px {side} from {low}: they \

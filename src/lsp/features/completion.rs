@@ -3,18 +3,22 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::{Component, Path};
 
+use crate::diagnostic::words::SIGNATURES;
 use crate::ir::Side;
 use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
+use crate::syntax::is_reserved;
 use crate::syntax::occurrence::NameKind;
 
+use super::actions::create::relative;
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
+use super::completion_order::{UNDECLARED, ordered};
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::text::operands::{after_operand, assigned_names, ends_operand};
-use crate::lsp::text::words::statement_starts;
+use crate::lsp::text::words::{is_keyword, statement_starts};
 use crate::lsp::view::View;
 
 /// The completion items at a position.
@@ -22,7 +26,8 @@ use crate::lsp::view::View;
 pub(in crate::lsp) struct Completions {
     /// The range that an item replaces.
     pub replaces: Range<usize>,
-    pub items: BTreeSet<CompletionItem>,
+    /// The best first.
+    pub items: Vec<CompletionItem>,
 }
 
 /// The completion items at a position of an open document.
@@ -33,13 +38,46 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let mut items = CompletionCollector::new(view, &at.path, code);
     if !cursor.is_quoted {
         items.at(&cursor);
+        items.undeclared(&cursor);
     } else if cursor.statement == ["import"] {
         items.files(view.programs.keys().filter_map(|other| relative(&at.path, other)));
+    } else if let Some(endings) = quoted_files(&cursor) {
+        let folder = at.path.parent()?;
+        items.files(view.disk.files(folder, endings).iter().filter_map(|other| relative(&at.path, other)));
     }
     let replaces = cursor.word.start..cursor.word.end.max(at.byte);
     let deleted = deleted_names(view, at, code);
-    let items = items.list.into_iter().filter(|item| !deleted.contains(item.label.as_str())).collect();
-    Some(Completions { replaces, items })
+    let typed = half_typed(code, &cursor.word);
+    let mut seen = BTreeSet::new();
+    let mut found = items.list.clone();
+    found.retain(|item| {
+        let is_gone = deleted.contains(item.label.as_str()) || typed == Some(item.label.as_str());
+        !is_gone && seen.insert((item.label.clone(), item.kind))
+    });
+    let own = cursor.enclosing(Block::Entity).and_then(|b| items.entity(b.name));
+    Some(Completions { replaces, items: ordered(&items, &cursor, own, found) })
+}
+
+/// The word at the cursor, if it occurs nowhere else: it is no name yet.
+fn half_typed<'t>(code: &'t str, word: &Range<usize>) -> Option<&'t str> {
+    // `x` and `y` need no declaration.
+    let text = code.get(word.clone()).filter(|text| !matches!(*text, "" | "x" | "y"))?;
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let is_known = is_keyword(text) || code.split(|c| !is_part(c)).filter(|other| *other == text).count() > 1;
+    (!is_known).then_some(text)
+}
+
+/// The endings of the files that a quoted text at the cursor can name.
+fn quoted_files(cursor: &CursorContext<'_>) -> Option<&'static [&'static str]> {
+    let first = cursor.statement.first().copied().unwrap_or_default();
+    match (first, cursor.previous(1)) {
+        ("map", "from" | "vglc") => Some(&["txt"]),
+        ("map", "legend") => Some(&["json"]),
+        ("map", "tiled") => Some(&["tmx", "tmj", "json"]),
+        ("map", "ldtk") => Some(&["ldtk"]),
+        ("look", _) => Some(&["png"]),
+        _ => None,
+    }
 }
 
 /// The names that the last texts without errors had and that no current text has.
@@ -245,6 +283,7 @@ impl CompletionCollector<'_> {
                 if let Some(from) = in_behavior {
                     self.declared_after(from, &[NameKind::Mode, NameKind::Argument]);
                 }
+                self.awaited_modes(cursor);
             }
             ("in", "clamp") => return false,
             ("in", _) => {
@@ -255,12 +294,15 @@ impl CompletionCollector<'_> {
                 let any = Some(())
                     .filter(|()| matches!(cursor.previous(3), "any" | "all" | "nearest"))
                     .and_then(|()| self.entity(before));
-                subject.or(any).or(referred).or(own).into_iter().for_each(|e| self.modes(e, &[]));
+                if let Some(entity) = subject.or(any).or(referred).or(own) {
+                    self.modes(entity, &[]);
+                    self.groups(entity);
+                }
             }
             ("touching", _) | ("with", "collide") | ("collide" | "collider" | "rect", _) => {
                 self.names_of_kind(NameKind::Tag)
             }
-            (",", "collide" | "collider" | "look") if !cursor.statement.contains(&":") => {
+            (",", "collide" | "collider" | "kinematic" | "look") if !cursor.statement.contains(&":") => {
                 self.names_of_kind(NameKind::Tag);
             }
             // In an entity a colour or a path follows: nothing that has a name.
@@ -285,7 +327,14 @@ impl CompletionCollector<'_> {
             }
             (":", "player") => self.instances(world),
             (":", "discrete") => self.words(&["int", "bool"]),
-            ("use", _) => self.names_of_kind(NameKind::Behavior),
+            ("=", "discrete") if cursor.statement.contains(&"bool") => self.words(&["false", "true"]),
+            ("=", "=") => self.first_values(cursor),
+            ("use", _) => {
+                self.names_of_kind(NameKind::Behavior);
+                self.importable(&[NameKind::Behavior]);
+            }
+            // Modes to which edges lead already.
+            ("mode", _) if cursor.statement.len() <= 2 => self.awaited_modes(cursor),
             ("destroy", _) => {
                 self.refs(own);
                 self.words(&["self"]);
@@ -316,6 +365,14 @@ impl CompletionCollector<'_> {
             }
             ("follow", _) => self.words(&["links"]),
             ("directions", "envelope") => self.words(&["any"]),
+            ("(" | ",", "envelope") if !cursor.statement.contains(&"by") => {
+                let vars = own.into_iter().flat_map(|e| e.vars.iter());
+                vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
+            }
+            ("(" | ",", "envelope") if cursor.calls.last().is_none_or(|call| call.name == "by") => {
+                let axes = own.into_iter().flat_map(|e| e.axes.iter());
+                axes.for_each(|a| self.add(0, &a.text, CompletionKind::Input, "axis"));
+            }
             ("envelope" | "clamp", _) => {
                 let vars = own.into_iter().flat_map(|e| e.vars.iter());
                 vars.for_each(|v| self.add(0, &v.name.text, CompletionKind::Variable, "continuous"));
@@ -353,6 +410,79 @@ impl CompletionCollector<'_> {
             _ => return false,
         }
         true
+    }
+
+    /// Adds names that the item around uses before the cursor and that nothing declares yet: what is written from top to
+    /// bottom uses some names again before they are declared.
+    fn undeclared(&mut self, cursor: &CursorContext<'_>) {
+        let Some(item) = cursor.blocks.first().filter(|_| !cursor.statement.is_empty()) else { return };
+        let before = cursor.previous(1);
+        if cursor.calls.last().is_some_and(|call| matches!(call.name, "pressed" | "held" | "released")) {
+            return;
+        }
+        // A new name, or one of which all are known.
+        if ends_operand(cursor) || matches!(before, "." | "mode" | "param" | "button" | "axis") {
+            return;
+        }
+        let code: &str = self.code;
+        let text = code.get(item.start..cursor.word.start).unwrap_or_default();
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        let mut last = "";
+        for token in tokens(text).iter().filter(|token| token.kind != Kind::Comment) {
+            let word = token.text(text);
+            // A word of the language is a name in a list.
+            let is_side = Side::ALL.into_iter().any(|side| side.name() == word);
+            let is_name = !is_keyword(word) || matches!(last, "," | "->") && !is_reserved(word) && !is_side;
+            if token.kind == Kind::Word && is_name && before != "group" {
+                names.insert(word);
+            }
+            // `entering(hurt.yes)`
+            if before == "group" && word == "." && !last.is_empty() {
+                names.insert(last);
+            }
+            last = word;
+        }
+        for program in self.programs.iter().take(1) {
+            for o in &program.ide.occurrences {
+                names.remove(program.name(o));
+            }
+        }
+        for item in &self.list {
+            names.remove(item.label.as_str());
+        }
+        let is_function = |name: &str| SIGNATURES.iter().any(|signature| signature.name == name);
+        for name in names.into_iter().filter(|name| !is_function(name) && *name != "x") {
+            self.add(9, name, CompletionKind::Value, UNDECLARED);
+        }
+    }
+
+    /// Adds the values in the braces before the cursor: `discrete way: {left, right} = `.
+    fn first_values(&mut self, cursor: &CursorContext<'_>) {
+        let before = self.code.get(..cursor.word.start).unwrap_or_default();
+        let statement = before.rfind("discrete").and_then(|at| before.get(at..)).unwrap_or_default();
+        let inside = statement.split_once('{').and_then(|(_, rest)| rest.split_once('}'));
+        let Some((values, _)) = inside.filter(|(_, rest)| rest.trim() == "=") else { return };
+        for value in values.split(',').map(str::trim).filter(|value| !value.is_empty()) {
+            self.add(0, value, CompletionKind::Value, "value");
+        }
+    }
+
+    /// Adds the modes of the entity to which edges lead, and that are not declared yet.
+    fn awaited_modes(&mut self, cursor: &CursorContext<'_>) {
+        let Some(block) = cursor.enclosing(Block::Entity) else { return };
+        let code: &str = self.code;
+        let text = code.get(block.start..cursor.word.start).unwrap_or_default();
+        let all: Vec<&str> = tokens(text)
+            .iter()
+            .filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline))
+            .map(|token| token.text(text))
+            .collect();
+        let follow =
+            |word: &str| -> Vec<&str> { all.windows(2).filter(|pair| pair[0] == word).map(|pair| pair[1]).collect() };
+        let declared = follow("mode");
+        for target in follow("->").into_iter().filter(|target| !declared.contains(target)) {
+            self.add(0, target, CompletionKind::Mode, "an edge leads to it");
+        }
     }
 
     /// Adds the goals of a world, or its `never`s.
@@ -480,17 +610,4 @@ impl CompletionCollector<'_> {
 fn is_arithmetic(name: &str) -> bool {
     let reads = ["pressed", "held", "released", "touching", "timer", "entering", "exiting", "lost", "received"];
     !reads.contains(&name) && !matches!(name, "near" | "distance" | "inside" | "count" | "rect" | "circle")
-}
-
-/// The path by which one program imports another.
-fn relative(from: &Path, to: &Path) -> Option<String> {
-    if from == to {
-        return None;
-    }
-    let folder: Vec<Component<'_>> = from.parent()?.components().collect();
-    let target: Vec<Component<'_>> = to.components().collect();
-    let same = folder.iter().zip(&target).take_while(|(a, b)| a == b).count();
-    let up = folder.iter().skip(same).map(|_| "..");
-    let down = target.iter().skip(same).filter_map(|part| part.as_os_str().to_str());
-    Some(up.chain(down).collect::<Vec<_>>().join("/"))
 }

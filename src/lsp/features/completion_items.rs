@@ -8,6 +8,7 @@ use crate::sema::checked::{Checked, Condition, Entity, World};
 use crate::source::FileId;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
+use super::actions::create::importable;
 use super::hover::kind_label;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::words::Snippet;
@@ -85,29 +86,40 @@ pub(in crate::lsp) struct CompletionItem {
     /// May be empty.
     pub detail: String,
     pub insert: Insert,
+    /// The file that is imported with it.
+    pub import: Option<String>,
+}
+
+impl CompletionItem {
+    /// Whether it is a name that another file of the workspace has.
+    pub fn is_import(&self) -> bool {
+        self.import.is_some()
+    }
 }
 
 /// Collects completion items.
 pub(super) struct CompletionCollector<'a> {
     /// The current snapshots of the programs, then their last ones without errors.
     pub programs: Vec<&'a Snapshot>,
+    view: &'a View,
+    path: &'a Path,
     file: Option<FileId>,
     pub code: &'a str,
     pub list: Vec<CompletionItem>,
 }
 
 impl<'a> CompletionCollector<'a> {
-    pub fn new(view: &'a View, path: &Path, code: &'a str) -> Self {
+    pub fn new(view: &'a View, path: &'a Path, code: &'a str) -> Self {
         let known: Vec<_> = view.programs_with(path).collect();
         let now = known.iter().map(|k| &*k.current);
         let programs: Vec<&Snapshot> = now.chain(known.iter().filter_map(|k| k.last_good.as_deref())).collect();
         let file = programs.first().and_then(|p| p.file(path));
-        CompletionCollector { programs, file, code, list: Vec::new() }
+        CompletionCollector { view, path, programs, file, code, list: Vec::new() }
     }
 
     pub fn add(&mut self, rank: u8, label: &str, kind: CompletionKind, detail: &str) {
         let (label, detail) = (label.to_string(), detail.to_string());
-        self.list.push(CompletionItem { rank, label, kind, detail, insert: Insert::Label });
+        self.list.push(CompletionItem { rank, label, kind, detail, insert: Insert::Label, import: None });
     }
 
     pub fn files(&mut self, paths: impl Iterator<Item = String>) {
@@ -157,7 +169,29 @@ impl<'a> CompletionCollector<'a> {
         }
     }
 
+    /// Adds names of some kinds that other files of the workspace declare, with their imports.
+    pub fn importable(&mut self, wanted: &[NameKind]) {
+        let known = self.programs.first().map(|snapshot| importable(self.view, snapshot, self.path));
+        for (kind, name, path) in known.into_iter().flatten().filter(|(kind, ..)| wanted.contains(kind)) {
+            self.add(4, &name, kind_of(kind), &format!("{} of `{path}`", kind_label(kind)));
+            if let Some(last) = self.list.last_mut() {
+                last.import = Some(path);
+            }
+        }
+    }
+
+    /// Adds the named groups of an entity, which qualify the names of modes.
+    pub fn groups(&mut self, entity: &Entity) {
+        for name in entity.groups.iter().filter_map(|group| group.name.as_ref()) {
+            self.add(0, &name.text, CompletionKind::Group, "group");
+            if let Some(last) = self.list.last_mut() {
+                last.insert = Insert::Snippet(format!("{}.$0", name.text));
+            }
+        }
+    }
+
     pub fn entities(&mut self) {
+        self.importable(&[NameKind::Entity]);
         for entity in self.checked().flat_map(|c| c.entities.iter()) {
             self.add(0, &entity.name.text, CompletionKind::Entity, "entity");
         }

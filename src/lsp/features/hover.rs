@@ -14,6 +14,7 @@ use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
+use super::hover_more::hover_more;
 use super::navigate::{ProgramPosition, last_known_positions, word_at};
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
@@ -36,7 +37,8 @@ pub(in crate::lsp) struct Hover {
 
 /// The hover of a name or keyword, and of the finding at a position.
 pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
-    let known = hover_name(view, at).or_else(|| hover_word(view, at));
+    let more = || hover_more(view, at, |_| Vec::new());
+    let known = hover_name(view, at).or_else(more).or_else(|| hover_word(view, at));
     let parts: Vec<Hover> = known.into_iter().chain(hover_finding(view, at)).collect();
     let markdown = parts.iter().map(|part| part.markdown.as_str()).collect::<Vec<_>>().join("\n\n---\n\n");
     Some(Hover { markdown, ..parts.into_iter().next()? })
@@ -378,7 +380,7 @@ impl NameHover<'_> {
 }
 
 /// The dimension of a derivative.
-fn per_second(base: &str, degree: usize) -> String {
+pub(super) fn per_second(base: &str, degree: usize) -> String {
     match (base, degree) {
         (base, 0) => base.into(),
         ("1", 1) => "1/s".into(),

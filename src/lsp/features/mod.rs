@@ -4,10 +4,14 @@
 pub(super) mod actions;
 pub(super) mod completion;
 pub(super) mod completion_items;
+pub(super) mod completion_order;
+pub(super) mod file_renames;
 pub(super) mod findings;
+pub(super) mod formatting;
 pub(super) mod hierarchy;
 pub(super) mod hints;
 pub(super) mod hover;
+pub(super) mod hover_more;
 pub(super) mod navigate;
 pub(super) mod rename;
 pub(super) mod signature;

@@ -29,12 +29,24 @@ pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
         ),
         document_formatting_provider: Some(true.into()),
         document_range_formatting_provider: Some(true.into()),
+        document_on_type_formatting_provider: Some(types::DocumentOnTypeFormattingOptions {
+            first_trigger_character: "}".into(),
+            more_trigger_character: words(&["\n"]),
+        }),
         document_symbol_provider: Some(true.into()),
         folding_range_provider: Some(true.into()),
         selection_range_provider: Some(true.into()),
         code_action_provider: Some(
             types::CodeActionOptions {
-                code_action_kinds: Some(vec![types::CodeActionKind::QuickFix, types::CodeActionKind::SourceFixAll]),
+                code_action_kinds: Some(vec![
+                    types::CodeActionKind::QuickFix,
+                    types::CodeActionKind::RefactorExtract,
+                    types::CodeActionKind::RefactorInline,
+                    types::CodeActionKind::RefactorMove,
+                    types::CodeActionKind::RefactorRewrite,
+                    types::CodeActionKind::SourceFixAll,
+                ]),
+                resolve_provider: Some(true),
                 ..Default::default()
             }
             .into(),
@@ -76,10 +88,24 @@ pub(in crate::lsp) fn capabilities(client: &Client) -> ServerCapabilities {
                 supported: Some(true),
                 change_notifications: Some(true.into()),
             }),
+            file_operations: Some(types::FileOperationOptions {
+                will_rename: Some(types::FileOperationRegistrationOptions { filters: renamed_files() }),
+                ..Default::default()
+            }),
             ..Default::default()
         }),
         ..Default::default()
     }
+}
+
+/// The files that programs name, and folders of them.
+fn renamed_files() -> Vec<types::FileOperationFilter> {
+    let filter = |glob: &str, matches| types::FileOperationFilter {
+        scheme: Some("file".into()),
+        pattern: types::FileOperationPattern { glob: glob.into(), matches: Some(matches), options: None },
+    };
+    let files = filter("**/*.{hyped,txt,json,tmx,tmj,tsx,ldtk,png}", types::FileOperationPatternKind::File);
+    vec![files, filter("**", types::FileOperationPatternKind::Folder)]
 }
 
 /// The registration for changes of programs, levels and legends on the disk.

@@ -4,6 +4,9 @@ use serde_json::Value;
 
 use crate::lsp::text::document_text::Encoding;
 
+/// The command of editors that opens the list of completion items.
+pub(super) const SUGGEST: &str = "editor.action.triggerSuggest";
+
 /// The relevant capabilities of the client.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Client {
@@ -17,6 +20,14 @@ pub(super) struct Client {
     pub refreshes_lenses: bool,
     /// Whether it wants live verdicts.
     pub wants_verdicts: bool,
+    /// Whether it asks for the edits of a code action when that is chosen.
+    pub resolves_actions: bool,
+    /// Whether it creates files that an edit names.
+    pub creates_files: bool,
+    /// Whether it runs [`SUGGEST`] after a completion item.
+    pub suggests_again: bool,
+    /// Whether it shows the findings of programs of the workspace that are not open.
+    pub reports_closed: bool,
     /// Whether it supports snippets in completion items.
     pub has_snippets: bool,
     /// Whether it shows the progress of work, and creates tokens for it.
@@ -53,6 +64,19 @@ impl Client {
                 .and_then(Value::as_bool)
                 .unwrap_or(false),
             has_grammar: flag("/textDocument/semanticTokens/augmentsSyntaxTokens"),
+            resolves_actions: capabilities
+                .pointer("/textDocument/codeAction/resolveSupport/properties")
+                .and_then(Value::as_array)
+                .is_some_and(|properties| properties.iter().any(|p| p == "edit")),
+            creates_files: capabilities
+                .pointer("/workspace/workspaceEdit/resourceOperations")
+                .and_then(Value::as_array)
+                .is_some_and(|operations| operations.iter().any(|o| o == "create")),
+            suggests_again: capabilities
+                .pointer("/experimental/commands/commands")
+                .and_then(Value::as_array)
+                .is_some_and(|commands| commands.iter().any(|command| command == SUGGEST)),
+            reports_closed: params["initializationOptions"]["workspaceDiagnostics"] == true,
             has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }
     }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use gen_lsp_types as types;
+use serde_json::json;
 
 use super::context::{Context, Failure};
 use super::from_protocol::{file_bytes, mode_name, offset, position};
@@ -13,7 +14,9 @@ use super::to_protocol::{self, ToProtocol};
 use super::uri::path_of;
 use crate::lsp::documents::Document;
 use crate::lsp::features::hierarchy::{self, Call};
-use crate::lsp::features::{actions, completion, hints, hover, navigate, rename, signature, structure};
+use crate::lsp::features::{
+    actions, completion, formatting as layout, hints, hover, navigate, rename, signature, structure,
+};
 use crate::lsp::location::FileOffset;
 
 /// The result of a handler.
@@ -86,13 +89,32 @@ pub(super) fn code_actions(context: &Context, params: types::CodeActionParams) -
     };
     let to = context.to_protocol();
     let mut out: Vec<types::CodeAction> = Vec::new();
-    for action in actions::code_actions(&context.view, &path, &bytes).into_iter().map(|action| to.code_action(action)) {
+    let found = actions::code_actions(&context.view, &path, &bytes, context.client.resolves_actions);
+    let place = || json!({ "uri": params.text_document.uri, "start": bytes.start, "end": bytes.end });
+    let makes_files = |action: &actions::CodeAction<'_>| {
+        action.kind == actions::ActionKind::Move
+            || action.edits.as_ref().is_some_and(|edits| !edits.new_files.is_empty())
+    };
+    let found = found.into_iter().filter(|action| context.client.creates_files || !makes_files(action));
+    for action in found.map(|action| to.code_action(action, place)) {
         // Programs that share a file have the same findings in it.
         if wanted(&action) && !out.contains(&action) {
             out.push(action);
         }
     }
     Ok(Some(out.into_iter().map(Into::into).collect()))
+}
+
+/// The edits of an action that was listed without them.
+pub(super) fn resolve_action(context: &Context, action: types::CodeAction) -> Answer<types::CodeActionResolveRequest> {
+    let place = action.data.as_ref().and_then(|data| {
+        let at = |key: &str| Some(data.get(key)?.as_u64()? as usize);
+        let uri = types::Uri(data.get("uri")?.as_str()?.into());
+        Some((path_of(&uri), at("start")?..at("end")?))
+    });
+    let Some((path, bytes)) = place.filter(|_| action.edit.is_none()) else { return Ok(action) };
+    let edits = actions::resolved(&context.view, &path, &bytes, &action.title)?;
+    Ok(types::CodeAction { edit: Some(context.to_protocol().action_edit(edits)), ..action })
 }
 
 pub(super) fn code_lenses(context: &Context, params: types::CodeLensParams) -> Answer<types::CodeLensRequest> {
@@ -155,7 +177,7 @@ pub(super) fn formatting(
     params: types::DocumentFormattingParams,
 ) -> Answer<types::DocumentFormattingRequest> {
     let Some(Document { text, .. }) = context.document(&params.text_document) else { return Ok(None) };
-    Ok(actions::formatting(text, None).map(|edits| context.to_protocol().text_edits(text, edits)))
+    Ok(layout::formatting(text, None).map(|edits| context.to_protocol().text_edits(text, edits)))
 }
 
 pub(super) fn range_formatting(
@@ -164,7 +186,7 @@ pub(super) fn range_formatting(
 ) -> Answer<types::DocumentRangeFormattingRequest> {
     let Some(Document { text, .. }) = context.document(&params.text_document) else { return Ok(None) };
     let (first, last) = (params.range.start.line, params.range.end.line);
-    let edits = actions::formatting(text, Some(&(first.min(last)..=last)));
+    let edits = layout::formatting(text, Some(&(first.min(last)..=last)));
     Ok(edits.map(|edits| context.to_protocol().text_edits(text, edits)))
 }
 

@@ -75,7 +75,11 @@ pub(super) fn of_highlight(role: Role) -> DocumentHighlightKind {
 /// The kind of a code action, by which editors filter them.
 pub(super) fn of_action(kind: ActionKind) -> CodeActionKind {
     match kind {
-        ActionKind::Fix => CodeActionKind::QuickFix,
+        ActionKind::Fix | ActionKind::Suggestion => CodeActionKind::QuickFix,
+        ActionKind::Extract => CodeActionKind::RefactorExtract,
+        ActionKind::Inline => CodeActionKind::RefactorInline,
+        ActionKind::Move => CodeActionKind::RefactorMove,
+        ActionKind::Rewrite => CodeActionKind::RefactorRewrite,
         ActionKind::FixAll => CodeActionKind::SourceFixAll,
     }
 }

@@ -8,6 +8,7 @@ mod capabilities;
 mod client;
 mod commands;
 mod context;
+mod edit_handlers;
 mod extensions;
 mod findings;
 mod from_protocol;

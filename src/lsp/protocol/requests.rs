@@ -4,6 +4,7 @@ use gen_lsp_types as types;
 use lsp_server::{ErrorCode, Request, Response};
 
 use super::context::{Context, Failure, response};
+use super::edit_handlers;
 use super::handlers::{self, Answer};
 use super::play::Plays;
 use super::runnable::{TestsRequest, tests};
@@ -63,6 +64,7 @@ macro_rules! requests {
 requests! {
     "callHierarchy/incomingCalls"               Open CallHierarchyIncomingCallsRequest handlers::incoming_calls,
     "callHierarchy/outgoingCalls"               Open CallHierarchyOutgoingCallsRequest handlers::outgoing_calls,
+    "codeAction/resolve"                        Open CodeActionResolveRequest          handlers::resolve_action,
     "textDocument/codeAction"                   Open CodeActionRequest                 handlers::code_actions,
     "textDocument/codeLens"                     Open CodeLensRequest                   handlers::code_lenses,
     "textDocument/completion"                   Open CompletionRequest                 handlers::completion,
@@ -72,6 +74,7 @@ requests! {
     "textDocument/documentSymbol"               Text DocumentSymbolRequest             handlers::document_symbols,
     "textDocument/foldingRange"                 Text FoldingRangeRequest               handlers::folding_ranges,
     "textDocument/formatting"                   Text DocumentFormattingRequest         handlers::formatting,
+    "textDocument/onTypeFormatting"             Text DocumentOnTypeFormattingRequest   edit_handlers::on_type_formatting,
     "textDocument/hover"                        Open HoverRequest                      handlers::hover,
     "textDocument/inlayHint"                    Open InlayHintRequest                  handlers::inlay_hints,
     "textDocument/prepareCallHierarchy"         Open CallHierarchyPrepareRequest       handlers::prepare_calls,
@@ -84,6 +87,7 @@ requests! {
     "textDocument/semanticTokens/full/delta"    Open SemanticTokensDeltaRequest        tokens::changed_tokens,
     "textDocument/semanticTokens/range"         Open SemanticTokensRangeRequest        tokens::tokens_in_range,
     "textDocument/signatureHelp"                Open SignatureHelpRequest              handlers::signature_help,
+    "workspace/willRenameFiles"                All  WillRenameFilesRequest            edit_handlers::will_rename_files,
     "workspace/symbol"                          All  WorkspaceSymbolRequest            handlers::workspace_symbols,
 }
 

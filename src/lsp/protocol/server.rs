@@ -424,9 +424,9 @@ impl Server {
             Event::Compiled(snapshot) => {
                 self.failed.remove(&snapshot.root);
                 let before = self.context.view.programs.remove(&snapshot.root);
-                let is_open = self.context.view.documents.get(&snapshot.root).is_some();
+                let is_shown = self.is_shown(&snapshot.root);
                 let old = before.as_ref().map(|state| &*state.current);
-                self.published.compiled(old, &snapshot, is_open, self.context.client.encoding);
+                self.published.compiled(old, &snapshot, is_shown, self.context.client.encoding);
                 let (last_good, ranges) = before.map_or((None, None), |state| (state.last_good, state.ranges));
                 let last_good = if snapshot.is_error_free() { Some(Arc::clone(&snapshot)) } else { last_good };
                 let state = ProgramState { current: Arc::clone(&snapshot), last_good, findings: None, ranges };
@@ -455,6 +455,9 @@ impl Server {
             }
             Event::AllCompiled(revision) => {
                 self.all_compiled = Some(revision);
+                if self.context.client.reports_closed {
+                    self.publish();
+                }
                 self.resume();
             }
             Event::Idle(revision) => {
@@ -552,8 +555,14 @@ impl Server {
     }
 
     /// Publishes the diagnostics of documents for which they changed.
+    /// Whether the findings of a program are shown: it is open, or the client asks for those of the whole workspace.
+    fn is_shown(&self, root: &Path) -> bool {
+        self.context.client.reports_closed || self.context.view.documents.get(root).is_some()
+    }
+
     fn publish(&mut self) {
-        let is_open = |path: &Path| self.context.view.documents.get(path).is_some();
+        let (client, documents) = (&self.context.client, &self.context.view.documents);
+        let is_open = |path: &Path| client.reports_closed || documents.get(path).is_some();
         let version = |uri: &str| {
             let path = path_of(&Uri(uri.into()));
             let snapshot = &self.context.view.programs.get(&path)?.current;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use gen_lsp_types as types;
 use gen_lsp_types::Uri;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::client::Client;
 use super::findings;
@@ -15,7 +15,8 @@ use super::kinds;
 use super::positions::{START, position, range};
 use super::uri::uri_of;
 use crate::lsp::documents::Documents;
-use crate::lsp::features::actions::{ActionKind, CodeAction};
+use crate::lsp::features::actions::create;
+use crate::lsp::features::actions::{ActionKind, CodeAction, Edits};
 use crate::lsp::features::completion::Completions;
 use crate::lsp::features::completion_items::{CompletionItem, Insert};
 use crate::lsp::features::hierarchy::CallItem;
@@ -103,28 +104,65 @@ impl ToProtocol<'_> {
         types::WorkspaceEdit { changes: Some(changes), ..types::WorkspaceEdit::default() }
     }
 
-    pub fn code_action(self, action: CodeAction<'_>) -> types::CodeAction {
+    /// The edit of a code action: changes of documents, and new files before them.
+    pub fn action_edit(self, edits: Edits) -> types::WorkspaceEdit {
+        let Edits { edits, new_files } = edits;
+        let edit = self.workspace_edit(edits);
+        if new_files.is_empty() {
+            return edit;
+        }
+        let in_document = |uri: Uri, version: Option<i32>, edits: Vec<types::TextEdit>| types::TextDocumentEdit {
+            text_document: types::OptionalVersionedTextDocumentIdentifier {
+                version,
+                text_document_identifier: types::TextDocumentIdentifier { uri },
+            },
+            edits: edits.into_iter().map(Into::into).collect(),
+        };
+        let mut changes: Vec<types::DocumentChange> = Vec::new();
+        for (path, text) in new_files {
+            let uri = uri_of(&path);
+            changes.push(types::CreateFile { uri: uri.clone(), options: None, annotation_id: None }.into());
+            let all = types::TextEdit { range: types::Range { start: START, end: START }, new_text: text };
+            changes.push(in_document(uri, None, vec![all]).into());
+        }
+        let mut edited: Vec<_> = edit.changes.unwrap_or_default().into_iter().collect();
+        edited.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0));
+        for (uri, edits) in edited {
+            let version = self.documents.get(&super::uri::path_of(&uri)).map(|document| document.version);
+            changes.push(in_document(uri, version, edits).into());
+        }
+        types::WorkspaceEdit { document_changes: Some(changes), ..types::WorkspaceEdit::default() }
+    }
+
+    /// A code action; `place` finds it again if its edits are asked for later.
+    pub fn code_action(self, action: CodeAction<'_>, place: impl FnOnce() -> Value) -> types::CodeAction {
         let shown =
             |(snapshot, finding)| vec![findings::to_protocol_diagnostic(finding, snapshot, self.client.encoding)];
         types::CodeAction {
-            title: action.title.into(),
+            title: action.title,
             kind: Some(kinds::of_action(action.kind)),
             diagnostics: action.finding.map(shown),
             is_preferred: (action.kind == ActionKind::Fix).then_some(true),
-            edit: Some(self.workspace_edit(action.edits)),
+            data: action.edits.is_none().then(place),
+            edit: action.edits.map(|edits| self.action_edit(edits)),
             ..types::CodeAction::default()
         }
     }
 
     pub fn completion(self, text: &Text, found: Completions) -> types::CompletionResponse {
         let range = self.range(text, &found.replaces);
-        let item = |CompletionItem { rank, label, kind, detail, insert }| {
+        let item = |CompletionItem { rank, label, kind, detail, insert, import }| {
             let snippet = match insert {
                 Insert::Snippet(snippet) if self.client.has_snippets => Some(snippet),
                 Insert::Snippet(_) | Insert::Label => None,
             };
             types::CompletionItem {
-                sort_text: Some(format!("{rank}{label}")),
+                sort_text: Some(format!("{rank:03}{label}")),
+                additional_text_edits: import.map(|path| {
+                    let (at, new_text) = create::import(text.code(), &path);
+                    vec![types::TextEdit { range: self.range(text, &at), new_text }]
+                }),
+                command: (self.client.suggests_again && opens_list(&snippet)).then(suggest_again),
                 kind: Some(kinds::of_completion(kind)),
                 detail: (!detail.is_empty()).then_some(detail),
                 insert_text_format: snippet.is_some().then_some(types::InsertTextFormat::Snippet),
@@ -191,6 +229,17 @@ impl ToProtocol<'_> {
     pub fn ranges(self, edges: &[Location]) -> Vec<types::Range> {
         edges.iter().map(|at| self.range_of(at)).collect()
     }
+}
+
+/// Whether a text with placeholders leaves the cursor where names are offered.
+fn opens_list(snippet: &Option<String>) -> bool {
+    snippet.as_ref().is_some_and(|text| text.ends_with("($1)") || text.ends_with(".$0") || text.ends_with("= $1"))
+}
+
+/// The command by which the editor offers the next names.
+fn suggest_again() -> types::Command {
+    let command = super::client::SUGGEST.to_string();
+    types::Command { title: "suggest".into(), tooltip: None, command, arguments: None }
 }
 
 pub(super) fn fold(fold: &Fold) -> types::FoldingRange {

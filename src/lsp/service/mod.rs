@@ -17,7 +17,7 @@ use crate::lsp::Workspace;
 use crate::lsp::documents::{Document, Documents};
 use crate::lsp::features::findings::{is_unnecessary, message};
 use crate::lsp::features::navigate::Definition;
-use crate::lsp::features::{actions, completion, completion_items, hover, navigate, signature, structure, tokens};
+use crate::lsp::features::{completion, completion_items, formatting, hover, navigate, signature, structure, tokens};
 use crate::lsp::location::FileOffset;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Text;
@@ -89,7 +89,7 @@ impl Service {
             Request::Format { path } => {
                 let edits = self.document(&path).and_then(|document| {
                     let code = document.text.code();
-                    let edits = actions::formatting(&document.text, None)?.into_iter();
+                    let edits = formatting::formatting(&document.text, None)?.into_iter();
                     Some(edits.map(|(bytes, text)| edit(code, &bytes, text)).collect())
                 });
                 edits.map_or(Answer::Nothing, |edits| Answer::Edits { edits })
@@ -207,7 +207,7 @@ fn completions(text: &Text, found: completion::Completions) -> Answer {
             completion_items::Insert::Label => None,
         },
     };
-    Answer::Completion { from, to, items: found.items.into_iter().map(item).collect() }
+    Answer::Completion { from, to, items: found.items.into_iter().filter(|item| !item.is_import()).map(item).collect() }
 }
 
 fn symbol(code: &str, of: structure::Symbol) -> Symbol {

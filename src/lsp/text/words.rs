@@ -76,6 +76,61 @@ pub(in crate::lsp) fn statement_starts(block: Option<Block>) -> (&'static [&'sta
     }
 }
 
+/// The usual order of the statements of a block, by their first words; an empty word stands for an assignment.
+pub(in crate::lsp) fn usual_order(block: Option<Block>) -> &'static [&'static str] {
+    match block {
+        None => &["import", "const", "behavior", "entity", "world"],
+        Some(Block::Entity | Block::Behavior) => &[
+            "look",
+            "param",
+            "axis",
+            "button",
+            "ref",
+            "continuous",
+            "discrete",
+            "chance",
+            "signal",
+            "kinematic",
+            "collider",
+            "clamp",
+            "invariant",
+            "condition",
+            "use",
+            "",
+            "envelope",
+            "mode",
+            "initial",
+            "group",
+            "always",
+            "when",
+            "else",
+            "follow",
+        ],
+        Some(Block::World) => {
+            &["step", "collide", "limit", "look", "tiles", "space", "player", "condition", "goal", "never", "test"]
+        }
+        Some(Block::Space) => &["bounds", "wrap", "map", "rect", "place", "link"],
+        Some(Block::Mode) => &[
+            "condition",
+            "use",
+            "",
+            "envelope",
+            "follow",
+            "when",
+            "else",
+            "mode",
+            "initial",
+            "spawn",
+            "destroy",
+            "send",
+        ],
+        Some(Block::Group) => &["mode", "initial"],
+        Some(Block::Envelope) => &["attack", "decay", "sustain", "release", "while"],
+        Some(Block::Test) => &["inputs", "chance", "expect", "reachable", "unreachable", "never", "unfound"],
+        Some(Block::Updates | Block::Tiles | Block::Settings | Block::Kinds | Block::Other) => &[],
+    }
+}
+
 const ITEMS: &[Snippet] = &[
     snippet("entity …", "entity ${1:Name} {\n    $0\n}", "an entity"),
     snippet(

@@ -1,5 +1,6 @@
 //! What `--without` leaves out: states in which a predicate holds, or inputs with a button, `held(run)`.
 
+use crate::compile::is_name;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::similar;
 use crate::ir::{Entity, Program, World};
@@ -20,12 +21,7 @@ impl<'a> Without<'a> {
             let rest = text.trim().strip_prefix(word)?.trim_start();
             Some(rest.strip_prefix('(')?.strip_suffix(')')?.trim())
         });
-        let is_word = |name: &&str| {
-            let mut chars = name.chars();
-            chars.next().is_some_and(|first| first.is_alphabetic() || first == '_')
-                && chars.all(|c| c.is_alphanumeric() || c == '_')
-        };
-        inside.filter(is_word).map_or(Without::Predicate(text), Without::Button)
+        inside.filter(|name| is_name(name)).map_or(Without::Predicate(text), Without::Button)
     }
 
     /// The predicate, if it is one.

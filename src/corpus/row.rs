@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::reach::query::{Answer, Kind};
 use crate::reach::why_not::WhyNot;
-use crate::reach::{Conclusion, End};
+use crate::reach::{self, Conclusion, End, Limits, Restart};
 
 /// The version of the rows.
 pub const ROW_VERSION: u32 = 4;
@@ -64,6 +64,40 @@ pub struct Settings {
     pub seconds_limit: Option<f64>,
     /// Maximum memory, bytes.
     pub memory_limit: u64,
+}
+
+impl Settings {
+    /// What a search has of its own; all that was asked beside it is left out.
+    pub fn of(settings: &reach::Settings, limits: &Limits) -> Settings {
+        Settings {
+            hypedc: env!("CARGO_PKG_VERSION").to_string(),
+            seed: settings.seed,
+            planner: settings.planner.name().to_string(),
+            bounds: settings.sampling.name().to_string(),
+            metric: settings.measure.name().to_string(),
+            hold: settings.hold,
+            restart: match settings.restart {
+                Restart::ByPlanner => None,
+                Restart::After(nodes) => Some(nodes.to_string()),
+                Restart::Never => Some("never".to_string()),
+            },
+            trees: settings.trees,
+            legend: None,
+            tile: None,
+            set: Vec::new(),
+            without: None,
+            within: None,
+            after: Vec::new(),
+            min_hold: None,
+            robust: None,
+            reaction: None,
+            chance: None,
+            minimize: false,
+            nodes_limit: Some(limits.nodes),
+            seconds_limit: None,
+            memory_limit: limits.memory,
+        }
+    }
 }
 
 /// What depends on the machine.

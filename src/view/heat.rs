@@ -26,8 +26,7 @@ pub(super) fn draw_layers(
     cell: f64,
     limit: usize,
 ) {
-    let mut cell = cell.max(1.5 / frame.scale).max(least_cell(frame));
-    let runs = |cell: f64| {
+    let found = fitting(frame, cell, limit, |cell| {
         let mut grid = Grid::new(frame, cell, usize::MAX);
         for (layer, point) in points.clone() {
             if let Some(first) = grid.at(frame, point) {
@@ -35,12 +34,7 @@ pub(super) fn draw_layers(
             }
         }
         grid.runs(frame, |first| (first < usize::MAX).then_some(first))
-    };
-    let mut found = runs(cell);
-    while found.len() > limit.max(1) {
-        cell *= 2.0;
-        found = runs(cell);
-    }
+    });
     let mut data = vec![String::new(); count];
     for (layer, rect) in found {
         if let Some(data) = data.get_mut(layer) {
@@ -61,12 +55,7 @@ pub(super) fn draw(
     cell: f64,
     limit: usize,
 ) {
-    let mut cell = cell.max(1.5 / frame.scale).max(least_cell(frame));
-    let mut runs = runs(frame, points.clone(), cell);
-    while runs.len() > limit.max(1) {
-        cell *= 2.0;
-        runs = self::runs(frame, points.clone(), cell);
-    }
+    let runs = fitting(frame, cell, limit, |cell| runs(frame, points.clone(), cell));
     let mut data = vec![String::new(); LEVELS];
     for (level, rect) in runs {
         box_data(&mut data[level], rect);
@@ -81,10 +70,16 @@ pub(super) fn opacity(level: usize) -> f64 {
     0.16 + 0.46 * level as f64 / (LEVELS - 1) as f64
 }
 
-/// The side of a cell of which a whole picture has not too many, px of the game.
-fn least_cell(frame: &Frame) -> f64 {
+/// The runs of cells of the least side, px of the game, with which they are not too many.
+fn fitting(frame: &Frame, cell: f64, limit: usize, runs: impl Fn(f64) -> Vec<(usize, Rect)>) -> Vec<(usize, Rect)> {
     let area = (frame.view.right - frame.view.left) * (frame.view.top - frame.view.bottom);
-    libm::sqrt(area / MAX_CELLS)
+    let mut cell = cell.max(1.5 / frame.scale).max(libm::sqrt(area / MAX_CELLS));
+    let mut found = runs(cell);
+    while found.len() > limit.max(1) {
+        cell *= 2.0;
+        found = runs(cell);
+    }
+    found
 }
 
 /// Neighbouring cells of a row with the same shade as one rectangle.

@@ -13,6 +13,21 @@ const TRIALS: u64 = 10_000;
 /// The part of a reaction time that is the standard deviation of timing errors.
 const PRECISION: f64 = 1.0 / 8.0;
 
+/// What the layers do not go with.
+const OTHER_QUESTIONS: [&str; 11] = [
+    "robust",
+    "reaction",
+    "min_hold",
+    "minimize",
+    "save_inputs",
+    "html",
+    "tree",
+    "results",
+    "csv",
+    "junit",
+    "baseline",
+];
+
 /// For whom a way is.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "For whom")]
@@ -33,7 +48,7 @@ pub(in crate::cli) struct PersonArgs {
         value_name = "HOLD,…",
         value_delimiter = ',',
         value_parser = skill,
-        conflicts_with_all = ["robust", "reaction", "min_hold", "minimize", "save_inputs", "html", "tree", "results", "csv", "junit", "baseline"]
+        conflicts_with_all = OTHER_QUESTIONS
     )]
     pub skill: Vec<Time>,
     /// One more layer for `--skill`: players for whom a predicate never holds, such as `held(run)`; can be given several
@@ -41,7 +56,7 @@ pub(in crate::cli) struct PersonArgs {
     #[arg(
         long,
         value_name = "PREDICATE",
-        conflicts_with_all = ["robust", "reaction", "min_hold", "minimize", "save_inputs", "html", "tree", "results", "csv", "junit", "baseline"]
+        conflicts_with_all = OTHER_QUESTIONS
     )]
     pub skill_without: Vec<String>,
 }

@@ -7,7 +7,7 @@ use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{NeverId, World, WorldId};
 use crate::reach::query::{Query, QueryError, TimingErrors};
-use crate::reach::{Limits, Measure, Planner, Restart, Sampling, Settings, Target, Termination};
+use crate::reach::{Limits, Measure, Planner, Sampling, Settings, Target, Termination};
 
 pub(in crate::cli) use crate::ask::WITHOUT;
 
@@ -107,19 +107,8 @@ pub(in crate::cli) fn refusal(args: &ReachArgs, loaded: &Loaded, world: WorldId,
 
 /// The settings of a search as recorded in results and rows.
 pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -> corpus::Settings {
+    let limits = Limits { nodes: node_limit(args), memory: args.memory << 20 };
     corpus::Settings {
-        hypedc: env!("CARGO_PKG_VERSION").to_string(),
-        seed: settings.seed,
-        planner: settings.planner.name().to_string(),
-        bounds: settings.sampling.name().to_string(),
-        metric: settings.measure.name().to_string(),
-        hold: settings.hold,
-        restart: match settings.restart {
-            Restart::ByPlanner => None,
-            Restart::After(nodes) => Some(nodes.to_string()),
-            Restart::Never => Some("never".to_string()),
-        },
-        trees: settings.trees,
         legend: args.reading.legend.as_ref().map(|path| path.display().to_string()),
         tile: args.reading.tile,
         set: args.numbers.texts(),
@@ -133,7 +122,7 @@ pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -
         chance: args.chance,
         nodes_limit: args.nodes.or(args.seconds.is_none().then(|| node_limit(args))),
         seconds_limit: args.seconds,
-        memory_limit: args.memory << 20,
+        ..corpus::Settings::of(settings, &limits)
     }
 }
 

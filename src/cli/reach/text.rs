@@ -107,16 +107,21 @@ fn when(answer: &Answer, has_rooms: bool) -> String {
     format!(" in {seconds:.2} s, step {steps}{place}")
 }
 
-/// The verdict and what it assumes: the first line of an answer.
-fn verdict(answer: &Answer, Shown { query, has_rooms, unpressed, .. }: &Shown<'_>) -> String {
-    let has_rooms = *has_rooms;
-    let within = query.within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
+/// The class of inputs that were asked about; nothing for all.
+fn inputs_words(Shown { query, unpressed, .. }: &Shown<'_>) -> String {
     let hold = match query.min_hold {
         1 => String::new(),
         steps => format!(" by inputs that are held for at least {steps} steps"),
     };
     let without = unpressed.as_ref().map(|buttons| format!(" without {buttons}")).unwrap_or_default();
-    let asked = format!("{}{hold}{without}", within.unwrap_or_default());
+    hold + &without
+}
+
+/// The verdict and what it assumes: the first line of an answer.
+fn verdict(answer: &Answer, shown: &Shown<'_>) -> String {
+    let &Shown { query, has_rooms, .. } = shown;
+    let within = query.within.map(|steps| format!(" within {}", counted(u64::from(steps), "step")));
+    let asked = format!("{}{}", within.unwrap_or_default(), inputs_words(shown));
     let is_never = answer.kind == Kind::Never;
     match answer.verdict {
         // The analysis proves it for all inputs.
@@ -140,17 +145,12 @@ fn verdict(answer: &Answer, Shown { query, has_rooms, unpressed, .. }: &Shown<'_
 }
 
 /// The class of inputs in which the path is shortest.
-fn shortest(answer: &Answer, Shown { query, unpressed, .. }: &Shown<'_>) -> String {
+fn shortest(answer: &Answer, shown: &Shown<'_>) -> String {
     if answer.is_shortest != Some(true) {
         return "not proven shortest".to_string();
     }
     let axes = if answer.reads_between { " with axes at -1, 0 and 1" } else { "" };
-    let hold = match query.min_hold {
-        1 => String::new(),
-        steps => format!(" by inputs that are held for at least {steps} steps"),
-    };
-    let without = unpressed.as_ref().map(|buttons| format!(" without {buttons}")).unwrap_or_default();
-    format!("shortest{axes}{hold}{without}")
+    format!("shortest{axes}{}", inputs_words(shown))
 }
 
 fn window(SearchWindow { space, left, right, bottom, branches }: &SearchWindow) -> String {

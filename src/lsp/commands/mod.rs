@@ -14,11 +14,12 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::ask::{Loaded, Refusal, RunResult, SimResult, WhyResult, find_world, open_world};
+use crate::ask::{Loaded, Refusal, RunResult, SimResult, WhyResult, find_world, open_world, read_scripts};
 use crate::compile::{Changes, Compilation, LevelFile, NumberSetting, TestCase, compile_changed};
 use crate::ir::WorldId;
 use crate::lsp::buffers::Buffers;
 use crate::lsp::verdicts::level::ChosenLevel;
+use crate::sim::Script;
 use crate::source::normalize;
 use crate::suite::SuiteResult;
 use crate::watch::Watch;
@@ -111,6 +112,16 @@ impl Program {
             Some(program) => Ok((Loaded { sources, program }, tests)),
             None => Err(Refusal::Findings(diagnostics).sentence(&sources)),
         }
+    }
+
+    /// Compiles the texts with the numbers that are set, and reads the inputs of a run.
+    fn load_run(&self, inputs: &str, buffers: &Buffers) -> Result<(Loaded, WorldId, Script), String> {
+        let numbers = self.numbers()?;
+        let (mut loaded, _) = self.load(&Changes { numbers: &numbers, ..Changes::default() }, buffers)?;
+        let world = self.world(&loaded)?;
+        let scripts = read_scripts(&mut loaded, world, (&[inputs.to_string()], "inputs"));
+        let scripts = scripts.map_err(|why| why.sentence(&loaded.sources))?;
+        Ok((loaded, world, scripts.into_iter().next().unwrap_or_default()))
     }
 
     /// The world.

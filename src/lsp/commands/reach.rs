@@ -62,7 +62,14 @@ pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn M
     let started = monitor.seconds();
     let session = Session::new(&loaded.program, world, query, monitor);
     let mut phases = Phases { monitor, world: &loaded.program.worlds[world], done: 0, count, seconds: Vec::new() };
-    let recorded = recorded(arguments, &settings, &limits);
+    let recorded = corpus::Settings {
+        set: program.set.clone(),
+        without: without.clone(),
+        after: after.clone(),
+        chance: arguments.chance,
+        minimize: arguments.minimize,
+        ..corpus::Settings::of(&settings, &limits)
+    };
     let mut result = RunResult::new(&named(&program.path), &session, recorded, monitor.seconds() - started);
     let all =
         session.find_all(&mut phases).map_err(|error| refusal(&loaded.program, world, &error, &loaded.sources))?;
@@ -86,34 +93,6 @@ fn refusal(
         QueryError::Over { script, step, .. } => {
             format!("script {} of `after` leads nowhere: the run is over after step {step}", script + 1)
         }
-    }
-}
-
-/// The settings, as records have them.
-fn recorded(arguments: &ReachArguments, settings: &Settings, limits: &Limits) -> corpus::Settings {
-    corpus::Settings {
-        hypedc: env!("CARGO_PKG_VERSION").to_string(),
-        seed: settings.seed,
-        planner: settings.planner.name().to_string(),
-        bounds: settings.sampling.name().to_string(),
-        metric: settings.measure.name().to_string(),
-        hold: settings.hold,
-        restart: None,
-        trees: settings.trees,
-        legend: None,
-        tile: None,
-        set: arguments.program.set.clone(),
-        without: arguments.without.clone(),
-        within: None,
-        after: arguments.after.clone(),
-        min_hold: None,
-        robust: None,
-        reaction: None,
-        chance: arguments.chance,
-        minimize: arguments.minimize,
-        nodes_limit: Some(limits.nodes),
-        seconds_limit: None,
-        memory_limit: limits.memory,
     }
 }
 

@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::{Monitor, SimArguments, named};
-use crate::ask::{Observed, SimResult, drive, read_scripts};
-use crate::compile::Changes;
+use crate::ask::{Observed, SimResult, drive};
 use crate::lsp::buffers::Buffers;
 use crate::sim::Simulator;
 
@@ -13,12 +12,7 @@ const MAX_STEPS: u64 = 10_000_000;
 
 pub(super) fn run(arguments: &SimArguments, buffers: &Buffers, monitor: &dyn Monitor) -> Result<SimResult, String> {
     let SimArguments { program, inputs, steps, chance } = arguments;
-    let numbers = program.numbers()?;
-    let (mut loaded, _) = program.load(&Changes { numbers: &numbers, ..Changes::default() }, buffers)?;
-    let world = program.world(&loaded)?;
-    let texts = std::slice::from_ref(inputs);
-    let scripts = read_scripts(&mut loaded, world, (texts, "inputs"));
-    let script = scripts.map_err(|why| why.sentence(&loaded.sources))?.into_iter().next().unwrap_or_default();
+    let (loaded, world, script) = program.load_run(inputs, buffers)?;
     let steps = steps.unwrap_or(script.len()).min(MAX_STEPS);
     monitor.part(0, 1, &loaded.program.worlds[world].name);
     let sim = Simulator::new(&loaded.program, world);

@@ -1,8 +1,7 @@
 //! `why`: explains a step of a run.
 
 use super::{WhyArguments, named};
-use crate::ask::{WhyQuestion, WhyResult, answer_why, read_scripts};
-use crate::compile::Changes;
+use crate::ask::{WhyQuestion, WhyResult, answer_why};
 use crate::lsp::buffers::Buffers;
 
 /// Maximum number of steps of a run: it is not interrupted.
@@ -10,12 +9,7 @@ const MAX_STEPS: u64 = 1_000_000;
 
 pub(super) fn run(arguments: &WhyArguments, buffers: &Buffers) -> Result<WhyResult, String> {
     let WhyArguments { program, inputs, at, instance, mode, edge, not, chance } = arguments;
-    let numbers = program.numbers()?;
-    let (mut loaded, _) = program.load(&Changes { numbers: &numbers, ..Changes::default() }, buffers)?;
-    let world = program.world(&loaded)?;
-    let texts = std::slice::from_ref(inputs);
-    let scripts = read_scripts(&mut loaded, world, (texts, "inputs"));
-    let script = scripts.map_err(|why| why.sentence(&loaded.sources))?.into_iter().next().unwrap_or_default();
+    let (loaded, world, script) = program.load_run(inputs, buffers)?;
     if at.unwrap_or_default().max(script.len()) > MAX_STEPS {
         return Err(format!("the run has more than {MAX_STEPS} steps"));
     }

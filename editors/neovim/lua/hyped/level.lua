@@ -9,7 +9,12 @@ function M.client(file)
   return vim.lsp.get_clients({ name = 'hypedc', bufnr = buffer ~= -1 and buffer or nil })[1]
 end
 
-local function request(file, method, parameters, done)
+--- Asks the server about a file, and passes the answer on with the unit of its columns.
+---@param file string
+---@param method string
+---@param parameters table
+---@param done? fun(result: any, encoding: string)
+function M.request(file, method, parameters, done)
   local client = M.client(file)
   if not client then
     vim.notify('hypedc: the language server does not run', vim.log.levels.ERROR)
@@ -20,7 +25,7 @@ local function request(file, method, parameters, done)
     if failure then
       vim.notify('hypedc: ' .. failure.message, vim.log.levels.ERROR)
     elseif done then
-      done(result)
+      done(result, client.offset_encoding)
     end
   end)
 end
@@ -30,7 +35,7 @@ end
 ---@param world string
 ---@param done fun(level: table)?
 function M.choose(file, world, done)
-  request(file, 'hypedc/levels', { world = world }, function(found)
+  M.request(file, 'hypedc/levels', { world = world }, function(found)
     if #found.levels == 0 then
       vim.notify(('hypedc: the world %s needs a level, and there is none beside the program'):format(world), vim.log.levels.WARN)
       return
@@ -41,7 +46,7 @@ function M.choose(file, world, done)
     vim.ui.select(found.levels, { prompt = ('Level of %s'):format(world), format_item = name }, function(level)
       if level then
         local chosen = { map = level.map }
-        request(file, 'hypedc/chooseLevel', { world = world, level = chosen }, function()
+        M.request(file, 'hypedc/chooseLevel', { world = world, level = chosen }, function()
           if done then
             done(chosen)
           end

@@ -54,22 +54,6 @@ local function draw(buffer, space, encoding)
   end
 end
 
-local function request(file, method, about, done)
-  local client = level.client(file)
-  if not client then
-    vim.notify('hypedc: the language server does not run', vim.log.levels.ERROR)
-    return
-  end
-  local parameters = vim.tbl_extend('error', { textDocument = { uri = vim.uri_from_fname(file) } }, about)
-  client:request(method, parameters, function(failure, result)
-    if failure then
-      vim.notify('hypedc: ' .. failure.message, vim.log.levels.ERROR)
-    else
-      done(result, client.offset_encoding)
-    end
-  end)
-end
-
 --- Takes all paint away.
 function M.clear()
   for uri in pairs(painted) do
@@ -85,7 +69,7 @@ end
 ---@param file string
 ---@param world string
 function M.paint(file, world)
-  request(file, 'hypedc/paint', { world = world }, function(found, encoding)
+  level.request(file, 'hypedc/paint', { world = world }, function(found, encoding)
     M.clear()
     for _, space in ipairs(found.spaces) do
       painted[space.uri] = painted[space.uri] or {}
@@ -172,7 +156,7 @@ function M.tile()
   end
   local lines = M.tell(of, index, column, row)
   local about = { world = of.painted.world, space = of.space.space, column = column, row = row }
-  request(of.program, 'hypedc/wayTo', about, function(found)
+  level.request(of.program, 'hypedc/wayTo', about, function(found)
     lines[#lines + 1] = found.title
     vim.list_extend(lines, given(found.inputs) and { found.inputs } or found.details)
     vim.lsp.util.open_floating_preview(lines, '', { focus_id = 'hyped.tile' })

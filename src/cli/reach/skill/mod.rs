@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use crate::analysis::ConfigurationSpace;
+use crate::analysis::{ConfigurationSpace, watched_space};
 use crate::compile::{added_nevers, question_name};
 use crate::ir::{ExprId, NeverId, World, WorldId};
 use crate::json::{self, Layout};
@@ -103,11 +103,12 @@ pub(super) fn run(args: &ReachArgs, loaded: &Loaded, (world, query): (WorldId, Q
         let rules = asked.rules(table);
         // The analysis does not depend on how long inputs are held.
         let known = spaces.iter().find(|(known, _)| *known == rules).map(|(_, space)| space.clone());
-        let session = match known {
-            Some(space) => Session::with_space(program, world, asked, space),
-            None => Session::new(program, world, asked, &watch),
-        };
-        spaces.push((rules, session.space().clone()));
+        let space = known.unwrap_or_else(|| {
+            let space = watched_space(program, world, &rules, &watch);
+            spaces.push((rules, space.clone()));
+            space
+        });
+        let session = Session::with_space(program, world, asked, space);
         watch.finish();
         let of = LayerSession { session: &session, skill: skill.clone(), nowhere };
         let layer = of.layer(&layers, &loaded.sources, &mut |target, work| {

@@ -198,7 +198,8 @@ test("a saved file is played within 200 ms", async (t) => {
   const problem = page.locator(".problems");
   await problem.getByText("gravitty").first().waitFor();
   await problem.getByRole("button").first().click();
-  assert.ok(await page.locator(".cm-editor.cm-focused").count(), "the editor has the focus");
+  // The text is opened before it has the focus.
+  await page.locator(".cm-editor.cm-focused").waitFor();
   await page.keyboard.press("Escape");
   await page.keyboard.press("KeyP");
   const before = await game(page, "length");

@@ -11,6 +11,7 @@ mod chance;
 mod cli;
 mod corpus;
 mod diff;
+mod exhaustion;
 mod experiment;
 mod figures;
 mod guard;

@@ -261,6 +261,18 @@ fn search_text(answer: &Answer, seconds: f64) -> String {
             counted(tried.states, "state")
         ));
     }
+    if let Some(visit) = answer.unfinished {
+        let without = match visit.left_out {
+            0 => String::new(),
+            1 => ", without 1 instance that can act only by contacts".to_string(),
+            more => format!(", without {more} instances that can act only by contacts"),
+        };
+        out.push_str(&format!(
+            "    all states within {} were visited{without}: {}\n",
+            counted(u64::from(visit.steps), "step"),
+            counted(visit.states, "state")
+        ));
+    }
     answer.windows.iter().for_each(|left| out.push_str(&window(left)));
     out.push_str(&match answer.end {
         // All planners stop at the search window.

@@ -7,6 +7,9 @@ use std::sync::Arc;
 use crate::ir::{By, Drive, Entity, Expr, ExprId, Id, Inputs, Leaf, LeafId, Program, Release};
 use crate::sim::{Input, Simulator};
 
+/// What is read of an input: of each player the buttons, and the bits of the axes.
+type Read = Vec<(u64, Vec<u64>)>;
+
 /// Inputs that lead to the same state, but for the buttons of the last step.
 #[derive(Debug)]
 pub(super) struct Class {
@@ -43,8 +46,7 @@ impl Classes {
             leaves.fold(entity.inputs, |reads, leaf| reads.with(of_step(program, entity, &entity.leaves[*leaf])))
         });
         let reads: Vec<Inputs> = reads.collect();
-        // What is read of an input: the buttons, and the bits of the axes.
-        let read_of = |input: &Input| -> Vec<(u64, Vec<u64>)> {
+        let read_of = |input: &Input| -> Read {
             let players = world.players.ids().zip(&reads).map(|(player, reads)| {
                 let of = input.of(player);
                 let axes = of.axes.iter().enumerate().filter(|(axis, _)| reads.axes >> axis & 1 == 1);
@@ -55,7 +57,7 @@ impl Classes {
         let left_of = |input: &Input| -> Box<[u64]> {
             world.players.ids().map(|player| input.of(player).buttons & sim.remembered_buttons()).collect()
         };
-        let mut classes: Vec<(Vec<(u64, Vec<u64>)>, Class)> = Vec::new();
+        let mut classes: Vec<(Read, Class)> = Vec::new();
         for (index, input) in (0..).zip(inputs) {
             let (read, left) = (read_of(input), left_of(input));
             match classes.iter_mut().find(|(known, _)| *known == read) {

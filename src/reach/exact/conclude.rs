@@ -13,7 +13,7 @@ use super::super::window::Windows;
 use super::{Budget, Ending, Exhausted, visit_all};
 
 /// Number of states for each node of the budget of a search: a node costs much more than a state here.
-const STATES: u64 = 100;
+const STATES: u64 = 20;
 
 /// Visits all states of a question, at most as many as the limit has nodes, in few bytes each. Instances that can act on
 /// the others only by contacts are left out. `None` if that is not possible: with several starts, where a run is over at
@@ -30,13 +30,16 @@ pub fn exhaust(
     Ok(visited(problem, limits, (threads, false), watch)?.map(|(outcome, _)| outcome))
 }
 
+/// States in which the first player stands.
+type Rests = Vec<Vec<u8>>;
+
 /// As [`exhaust`], with the states in which the first player stands if it is to be explained that there is no way.
 fn visited(
     problem: &Problem<'_>,
     limits: &Limits,
     (threads, explains): (usize, bool),
     watch: &dyn Watch,
-) -> Result<Option<(Outcome, Vec<Vec<u8>>)>, Fault> {
+) -> Result<Option<(Outcome, Rests)>, Fault> {
     let Some(starts) = problem.starts(watch)? else { return Ok(None) };
     let [start] = &*starts else { return Ok(None) };
     let StartStatus::Open(start) = finish_hold(problem, start.clone(), watch)? else { return Ok(None) };

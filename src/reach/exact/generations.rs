@@ -22,6 +22,11 @@ use super::states::{Full, States, UNKNOWN};
 const PART: usize = 1 << 15;
 /// Number of states that a thread takes at once.
 const BLOCK: usize = 256;
+/// If a generation is more than twice as large as the one this many steps before, the states multiply: in most worlds they
+/// do so at first, and in some for ever.
+const DOUBLING: usize = 4;
+/// The share of the budget of states that may multiply, and its minimum.
+const MULTIPLYING: (u64, u64) = (64, 1 << 16);
 
 /// What is visited.
 pub(super) struct Question<'q> {
@@ -169,13 +174,21 @@ impl<'q> Visit<'q> {
     pub fn run(&mut self, limits: &Limits) -> Ended {
         let mut from = 0;
         let mut end = self.states.len();
+        let mut sizes = vec![end];
+        let most_multiplying = (limits.states / MULTIPLYING.0).max(MULTIPLYING.1);
         loop {
             if from == end {
                 self.generations += u32::from(end < self.states.len());
                 if end == self.states.len() || self.question.within.is_some_and(|most| self.generations >= most) {
                     return Ended::Exhausted;
                 }
+                sizes.push(self.states.len() - end);
                 end = self.states.len();
+                let before = sizes.len().checked_sub(1 + DOUBLING).map_or(0, |at| sizes[at]);
+                let multiply = sizes.last().is_some_and(|last| *last > 2 * before);
+                if multiply && end as u64 > most_multiplying {
+                    return Ended::Full;
+                }
             }
             let is_full = self.states.len() as u64 > limits.states || self.steps > limits.steps;
             if is_full || self.states.bytes() as u64 > limits.memory {

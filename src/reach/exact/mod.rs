@@ -260,8 +260,7 @@ impl Others<'_> {
         for (old, slot) in world.slots.pairs() {
             let Some(me) = ids.get(old) else { continue };
             for (touch, asked, by) in of.touched_by(slot.entity, |other| !of.takes_part[other]) {
-                // Each entity is looked at.
-                let are_known = by.iter().map(|entity| self.is_known(of, *entity)).fold(true, |all, is| all && is);
+                let are_known = by.iter().all(|entity| self.is_known(of, *entity));
                 let with = match (are_known, self.occupied.layer_of(asked.other)) {
                     (false, _) => Where::Anywhere,
                     (true, Some(layer)) => Where::In(layer),

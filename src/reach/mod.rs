@@ -8,9 +8,9 @@
 //!
 //! Then searchers grow trees of states ([`search`]). Sampling searchers share one loop (`sampler.rs`), to which a
 //! planner adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs`
-//! alternates several. Where `auto` finds nothing, `exact` visits all states in few bytes each. A path is replayed in the simulator before it is reported, and can be made faster
-//! (`improve_duration.rs`) and simpler (`shorten.rs`); a path for one question can answer another one (`exchange.rs`).
-//! [`query`] runs all of this in order.
+//! alternates several. Where `auto` finds nothing, `exact` visits all states in few bytes each. A path is replayed in
+//! the simulator before it is reported, and can be made faster (`improve_duration.rs`) and simpler (`shorten.rs`); a
+//! path for one question can answer another one (`exchange.rs`). [`query`] runs all of this in order.
 //!
 //! Every state created on the way is checked against the analysis (`monitor.rs`). A state outside shows that the
 //! analysis is wrong about this world: proofs that rest on it are withdrawn.

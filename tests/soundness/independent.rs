@@ -1,5 +1,5 @@
-//! Visiting all states without the instances that cannot help, against searches of whole worlds: what is proven is never
-//! reached, and a shortest way is as short.
+//! Visiting all states without the instances that cannot help, against searches of whole worlds: what is proven is
+//! never reached, and a shortest way is as short.
 
 use hypedc::analysis::configuration_space;
 use hypedc::ir::{Program, WorldId};

@@ -74,8 +74,8 @@ impl Classes {
     }
 }
 
-/// What an entity reads of its inputs in a step that begins in a leaf. What a leaf reads includes its edges with all that
-/// they do; flows are read after them.
+/// What an entity reads of its inputs in a step that begins in a leaf. What a leaf reads includes its edges with all
+/// that they do; flows are read after them.
 fn of_step(program: &Program, entity: &Entity, leaf: &Leaf) -> Inputs {
     let targets = leaf.edges.iter().filter_map(|edge| entity.edges[*edge].target);
     let leaves = targets.flat_map(|mode| entity.modes[mode].leaves.ids());

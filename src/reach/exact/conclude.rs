@@ -15,9 +15,9 @@ use super::{Budget, Ending, Exhausted, visit_all};
 /// Number of states for each node of the budget of a search: a node costs much more than a state here.
 const STATES: u64 = 20;
 
-/// Visits all states of a question, at most as many as the limit has nodes, in few bytes each. Instances that can act on
-/// the others only by contacts are left out. `None` if that is not possible: with several starts, where a run is over at
-/// the start, and where nature draws.
+/// Visits all states of a question, at most as many as the limit has nodes, in few bytes each. Instances that can act
+/// on the others only by contacts are left out. `None` if that is not possible: with several starts, where a run is
+/// over at the start, and where nature draws.
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.

@@ -22,8 +22,8 @@ use super::states::{Full, States, UNKNOWN};
 const PART: usize = 1 << 15;
 /// Number of states that a thread takes at once.
 const BLOCK: usize = 256;
-/// If a generation is more than twice as large as the one this many steps before, the states multiply: in most worlds they
-/// do so at first, and in some for ever.
+/// If a generation is more than twice as large as the one this many steps before, the states multiply: in most worlds
+/// they do so at first, and in some for ever.
 const DOUBLING: usize = 4;
 /// The share of the budget of states that may multiply, and its minimum.
 const MULTIPLYING: (u64, u64) = (64, 1 << 16);

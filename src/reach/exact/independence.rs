@@ -1,7 +1,7 @@
 //! Which instances can take part in what a question asks, and a world without the others.
 //!
-//! An instance takes part if it is a player, if the question reads it, or if it can act on one that does: by a
-//! value that is read, a blocking contact, a signal, a spawn, a destruction, a reference. What is left then acts on those
+//! An instance takes part if it is a player, if the question reads it, or if it can act on one that does: by a value
+//! that is read, a blocking contact, a signal, a spawn, a destruction, a reference. What is left then acts on those
 //! that take part in one way only: a contact query of theirs holds because of it. Leaving the others out and letting
 //! these queries hold or not ([`super::free`]) therefore loses no run: each run of the world, seen from the instances
 //! that take part, is a run of the world without the others.
@@ -172,8 +172,8 @@ impl<'a> Independence<'a> {
         is_free || slots.any(|slot| self.program.entities[slot.entity].spawns.iter().any(|s| s.entity == entity))
     }
 
-    /// The contact queries of an instance that others can satisfy, each with the entities of those; `is_other` tells who
-    /// they are.
+    /// The contact queries of an instance that others can satisfy, each with the entities of those; `is_other` tells
+    /// who they are.
     pub fn touched_by(&self, me: EntityId, is_other: impl Fn(SlotId) -> bool) -> Vec<(TouchId, Touch, Vec<EntityId>)> {
         let entity = &self.program.entities[me];
         let mut others: Vec<EntityId> =

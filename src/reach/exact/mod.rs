@@ -1,11 +1,11 @@
-//! Exhaustion of whole levels: visits every state that inputs lead to, in few bytes each, and so proves that there is no
-//! way. It begins where a search has found none.
+//! Exhaustion of whole levels: visits every state that inputs lead to, in few bytes each, and so proves that there is
+//! no way. It begins where a search has found none.
 //!
 //! Instances that cannot act on those that take part in the question, except by contacts, are left out
 //! (`independence.rs`). Contacts with them may then hold or not (`free.rs`), where they can be: that is found out by
-//! visiting what they do by themselves, whatever touches them (`occupied.rs`). This is rely-guarantee reasoning with one
-//! thread for each instance (Flanagan and Qadeer, *Thread-modular model checking*, 2003). What is left out adds ways and
-//! removes none, so "no way" holds for the world as it is; a way that is found is replayed there.
+//! visiting what they do by themselves, whatever touches them (`occupied.rs`). This is rely-guarantee reasoning with
+//! one thread for each instance (Flanagan and Qadeer, *Thread-modular model checking*, 2003). What is left out adds
+//! ways and removes none, so "no way" holds for the world as it is; a way that is found is replayed there.
 
 mod classes;
 mod conclude;
@@ -278,7 +278,12 @@ impl Others<'_> {
         if let Some(known) = self.regions.get(&entity) {
             return *known;
         }
-        let is_known = !of.is_spawned(entity) && self.visit(of, entity).is_some();
+        let (program, world) = (self.sim.program(), self.sim.world());
+        // Tiles that others break, and links that depend on others, are not as they are for an instance by itself.
+        let mut links = world.spaces.iter().flat_map(|space| &space.links);
+        let is_led = !program.entities[entity].follows.is_empty() && links.any(|link| link.guard.is_some());
+        let is_by_itself = world.layout.tiles.is_none() && !is_led && !of.is_spawned(entity);
+        let is_known = is_by_itself && self.visit(of, entity).is_some();
         self.regions.insert(entity, is_known);
         is_known
     }

@@ -1,5 +1,5 @@
-//! Where something with a tag can be: the cells of a grid that its colliders were seen to overlap. More than one instance
-//! can be in a cell, and at different times.
+//! Where something with a tag can be: the cells of a grid that its colliders were seen to overlap. More than one
+//! instance can be in a cell, and at different times.
 
 use crate::ir::{Bounds, Id, SpaceId, TagId, World};
 use crate::sim::{Placed, Scratch, Simulator};
@@ -38,8 +38,8 @@ impl Grid {
         Grid { left, bottom, columns: count(right - left), rows: count(top - bottom) }
     }
 
-    /// The first column and the last of a box, and the rows. What is outside counts as at the border: boxes that overlap
-    /// always share a cell.
+    /// The first column and the last of a box, and the rows. What is outside counts as at the border: boxes that
+    /// overlap always share a cell.
     fn cells(&self, of: &Bounds) -> [(usize, usize); 2] {
         // The casts saturate.
         let cell = |at: f64, from: f64, count: usize| (((at - from) / CELL) as usize).min(count - 1);

@@ -1,5 +1,5 @@
-//! Where the first player stands among the states that were visited, to say where its way ends: states after two steps at
-//! one height, one for each place.
+//! Where the first player stands among the states that were visited, to say where its way ends: states after two steps
+//! at one height, one for each place.
 
 use hashbrown::HashTable;
 

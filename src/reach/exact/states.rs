@@ -130,8 +130,8 @@ impl States {
         self.find(&self.keys.pack(numbers)).is_ok()
     }
 
-    /// Adds a state that was reached from another one, if it is new. Words whose number is [`UNKNOWN`] get one for their
-    /// value. A start has no parent.
+    /// Adds a state that was reached from another one, if it is new. Words whose number is [`UNKNOWN`] get one for
+    /// their value. A start has no parent.
     ///
     /// [`Full`] if there is no place for it.
     pub fn add(&mut self, numbers: &mut [u32], values: &[u64], parent: Option<u32>) -> Result<bool, Full> {

@@ -20,12 +20,13 @@ fn gap_of(tiles: usize, others: &str, things: &str) -> Arc<Program> {
     let text = format!(
         r#"
 entity Hero {{
+    param speed = 240
     axis move
     button jump
     collider body: rect(0, 0, 16, 16)
     collider feet: rect(0, 0, 16, 4)
     clamp y' >= -240
-    x' = 120 * sign(move)
+    x' = speed * sign(move)
     mode ground {{
         y' = -30
         when pressed(jump) -> air {{ y' := 240 }}
@@ -39,7 +40,7 @@ entity Hero {{
 }}
 {others}
 world Gap {{
-    step 1/60
+    step 1/30
     collide body with solid: block
     collide feet with head: sense
     collide body with crate: block

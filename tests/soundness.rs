@@ -106,11 +106,11 @@ fn nothing_that_is_claimed_of_all_values_of_a_parameter_is_false() {
 #[test]
 fn what_is_proven_without_others_is_never_reached() {
     let mut seen = independent::Seen::default();
-    seeds(1_500, 60_000).for_each(|seed| independent::look(seed, &mut seen));
+    seeds(600, 60_000).for_each(|seed| independent::look(seed, &mut seen));
     let independent::Seen { worlds, proven, proven_without, reached, reports } = seen;
     println!("{worlds} worlds, {proven} proofs, {proven_without} of them without others, {reached} ways");
     assert!(reports.is_empty(), "{}", reports.join("\n\n"));
-    assert!(proven > 100 && proven_without > 20 && reached > 100, "{proven} {proven_without} {reached}");
+    assert!(proven > 25 && proven_without > 15 && reached > 12, "{proven} {proven_without} {reached}");
 }
 
 /// These programs once had a false verdict.

@@ -165,8 +165,8 @@ impl Part<'_> {
         budget: &Budget,
         watch: &dyn Watch,
     ) -> Option<Exhausted> {
-        // What nature draws is no part of an input here.
-        if !self.sim.draws().is_empty() {
+        // What nature draws is no part of an input here; and where nothing takes part, nothing happens.
+        if !self.sim.draws().is_empty() || self.sim.world().layout.size == 0 {
             return None;
         }
         let part = problem.in_part(self.sim);

@@ -14,8 +14,10 @@ pub(super) const UNKNOWN: u32 = u32::MAX;
 const MAX_KEY: usize = 128;
 /// Bits by which a word grows when its dictionary is full.
 const GROWTH: u8 = 2;
-/// Memory use of an entry of a hash table with its share of free places, bytes.
-const ENTRY: usize = 9;
+/// Memory use of an entry of a hash table: a number, a byte, and the share of places that stay free; bytes.
+const ENTRY: usize = 6;
+/// Divisor: the share by which the list of states grows.
+const SHARE: usize = 8;
 
 /// The values of a word.
 #[derive(Debug, Default)]
@@ -148,6 +150,9 @@ impl States {
         let key = self.keys.pack(numbers);
         let Err(hash) = self.find(&key) else { return Ok(false) };
         let Some(state) = u32::try_from(self.len()).ok().filter(|state| *state != u32::MAX) else { return Err(Full) };
+        // A vector that doubles would be half empty.
+        grow(&mut self.keys.bytes, self.keys.stride);
+        grow(&mut self.parents, 1);
         self.keys.bytes.extend_from_slice(&key.0[..self.keys.stride]);
         self.parents.push(parent.unwrap_or(state));
         let keys = &self.keys;
@@ -224,6 +229,13 @@ impl Keys {
             key.0[at..at + 8].copy_from_slice(&piece.to_le_bytes());
         }
         key
+    }
+}
+
+/// Makes room for some more entries.
+fn grow<T>(list: &mut Vec<T>, more: usize) {
+    if list.capacity() - list.len() < more {
+        list.reserve_exact(more.max(list.len() / SHARE).max(64));
     }
 }
 

@@ -89,6 +89,22 @@ fn commands_run_the_text_of_the_editor() {
     // The goal of the file on the disk is reached after a step or two.
     assert!(found["goals"][0]["steps"].as_u64().unwrap() >= 25, "{found}");
     assert_eq!(found["goals"][1]["kind"], "never");
+    // Inputs with a button are left out, as `--without` of the command line does.
+    let without = |what: &str| json!({ "uri": URI, "goals": ["there"], "without": what, "nodes": 500 });
+    let left = execute(&mut client, "hypedc.reach", without("held(right)")).unwrap();
+    assert_ne!(left["goals"][0]["verdict"], "reached", "{left}");
+    assert!(left["goals"][0]["reasons"].to_string().contains("held(right)"), "{left}");
+    let (_, why) = execute(&mut client, "hypedc.reach", without("held(leap)")).unwrap_err();
+    assert!(why.contains("no player of `Road` has a button `leap`"), "{why}");
+    // Pictures come on request, for each goal and for a run.
+    assert_eq!(found.get("pictures"), None);
+    let about = json!({ "uri": URI, "goals": ["there"], "picture": true });
+    let drawn = execute(&mut client, "hypedc.reach", about).unwrap();
+    assert_eq!(drawn["pictures"][0]["name"], "there");
+    assert!(drawn["pictures"][0]["svg"].as_str().unwrap().starts_with("<svg"), "{drawn}");
+    let about = json!({ "uri": URI, "inputs": "right*30", "picture": true });
+    let drawn = execute(&mut client, "hypedc.sim", about).unwrap();
+    assert!(drawn["pictures"][0]["svg"].as_str().unwrap().contains("30 steps"), "{drawn}");
     let by_lens = json!({ "command": "hypedc.reach", "arguments": [URI, "Road", "there"] });
     let by_lens = client.request("workspace/executeCommand", by_lens).unwrap();
     assert_eq!(by_lens["goals"][0]["inputs"], found["goals"][0]["inputs"]);

@@ -292,6 +292,29 @@ fn play(page: &Path) -> Played {
     played
 }
 
+#[path = "../benches/results/tables.rs"]
+#[allow(dead_code, reason = "the bench measures what this module reads")]
+mod tables;
+
+#[test]
+fn measured_tables_are_those_of_the_files_of_results() {
+    let files = tables::TABLES.iter().filter(|(name, _)| Path::new(&tables::path_of(name)).exists());
+    let mut count = 0;
+    for (name, table) in files {
+        let mut results = tables::Results::of_file(&std::fs::read_to_string(tables::path_of(name)).unwrap());
+        let page = std::fs::read_to_string(tables::PAGE).unwrap();
+        let table = table(&mut results);
+        let new = tables::with_table(&page, name, &table, &results);
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(tables::PAGE, new).unwrap();
+        } else {
+            assert!(new == page, "the table {name} of {} is another one: UPDATE=1 writes it", tables::PAGE);
+        }
+        count += 1;
+    }
+    assert!(count > 0, "there are no results");
+}
+
 #[test]
 fn sessions_print_what_is_shown() {
     let pages = pages();

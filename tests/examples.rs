@@ -104,9 +104,11 @@ fn script_of(path: &Path) -> Option<PathBuf> {
 /// A program, with the first level beside it if its map is open.
 fn playable(path: &Path) -> Arc<Program> {
     let has_open_map = std::fs::read_to_string(path).unwrap().lines().any(|line| line.trim().starts_with("map level"));
+    if !has_open_map {
+        return program(compile(path, &Disk));
+    }
     let levels = files(path.parent().unwrap().to_str().unwrap(), "txt");
-    let map = levels.first().filter(|_| has_open_map).map(PathBuf::as_path);
-    program(compile_with(path, LevelFile { map, ..LevelFile::default() }, &Disk))
+    program(compile_with(path, LevelFile { map: Some(&levels[0]), ..LevelFile::default() }, &Disk))
 }
 
 fn parsed(program: &Program, path: &Path) -> Script {

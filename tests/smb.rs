@@ -91,7 +91,7 @@ fn he_moves_as_fast_and_jumps_as_high_as_in_the_game() {
     // A dash clears a wall of five tiles, and none of six.
     let beyond = |tiles: usize| {
         let wall: Vec<_> = (1..=tiles).map(|row| (row, 30, 'X')).collect();
-        let jumps = (40..130).map(|steps| format!("-*9 right+run*{steps} right+run+jump*90"));
+        let jumps = (120..190).map(|steps| format!("-*9 right+run*{steps} right+run+jump*90"));
         let far = |inputs: &String| run(&ground(&wall), inputs).last().unwrap().0[0];
         jumps.map(|inputs| far(&inputs)).fold(0.0, f64::max)
     };

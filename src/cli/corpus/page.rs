@@ -37,7 +37,7 @@ th, td { border-top: 1px solid var(--line); padding: .6rem .8rem .6rem 0; vertic
 td.number { font-variant-numeric: tabular-nums; white-space: nowrap }
 td small { display: block; max-width: 22rem; overflow-wrap: anywhere }
 td.picture { width: 55% }
-td.picture img { display: block; max-height: 24rem; max-width: 100% }
+td.picture img { display: block; max-height: 42rem; max-width: 100% }
 .good { color: var(--good) } .bad { color: var(--bad) } .proof { color: var(--proof) } .open { color: var(--open) }
 ";
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use base64::Engine;
 
+use crate::ask::recorded;
 use crate::compile::{Compilation, compile_changed};
 use crate::corpus::{Comparison, Flip, Key, LengthChange, Row, Unpaired, summary};
 use crate::ir::GoalId;
@@ -19,7 +20,6 @@ use crate::watch::Unwatched;
 use super::Presentation;
 use crate::cli::disk::Disk;
 use crate::cli::pictures::images;
-use crate::cli::reach::files::recorded;
 use crate::cli::reach::question::ReachChanges;
 use crate::cli::reach::refuted::command_line;
 use crate::cli::report::find_world;

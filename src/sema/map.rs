@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::world::{KnownReading, NoCharacters, RedundantLegend, UnreadLevel};
-use crate::ir::{SpaceId, TileMap};
+use crate::ir::{Extremes, SpaceId, TileMap};
 use crate::level::{Format, InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
@@ -224,7 +224,7 @@ impl<'a> Checker<'a> {
             inline_map(&rows, at, declared, set.tile, (&set.tiles, &set.others), &mut self.diagnostics)
         });
         if let Some((width, height)) = world.spaces[id].map.as_ref().map(TileMap::size)
-            && self.length(width.max(height), at).is_none()
+            && self.length(width.greatest(height), at).is_none()
         {
             world.spaces[id].map = None;
             return;

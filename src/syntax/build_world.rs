@@ -5,8 +5,8 @@ use pest::iterators::Pair;
 use super::Rule;
 use super::ast::{
     Assignment, Breakable, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place,
-    Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, TagLook, Tile, TileSpawn, Tiles, WorldItem,
-    Wrap,
+    PlaceHeight, Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, TagLook, Tile, TileSpawn,
+    Tiles, WorldItem, Wrap,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -308,7 +308,12 @@ impl<'a> Builder<'a> {
             name: self.name(inner.first()?),
             entity: self.name(inner.get(1)?),
             x: self.expression(point.first()?)?,
-            y: self.expression(point.get(1)?)?,
+            y: match point.get(1)? {
+                standing if standing.as_rule() == Rule::standing => {
+                    PlaceHeight::Above(self.name(parts(standing).iter().find(|part| part.as_rule() == Rule::tag)?))
+                }
+                y => PlaceHeight::At(self.expression(y)?),
+            },
             settings,
             span: self.span_of(pair),
         })

@@ -21,6 +21,7 @@ mod maps;
 mod mutation;
 mod new;
 mod reference;
+mod reparse;
 mod robust;
 mod scale;
 mod schemas;

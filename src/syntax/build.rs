@@ -20,6 +20,7 @@ use super::ast::{
     is_start,
 };
 use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
+use super::reparse::{Earlier, Kept};
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
 
@@ -28,10 +29,10 @@ const MAX_SYNTAX_ERRORS: usize = 100;
 
 /// The shared state of the builders.
 pub(super) struct Builder<'a> {
-    file: FileId,
-    source: &'a str,
+    pub(super) file: FileId,
+    pub(super) source: &'a str,
     scan: &'a Scan,
-    text: &'a str,
+    pub(super) text: &'a str,
     /// The offset of the current pairs in the text: a text is parsed part by part.
     base: usize,
     /// The furthest position reached in the last part that matched no rule at all.
@@ -47,29 +48,38 @@ pub(super) struct Builder<'a> {
     diagnostics: &'a mut Diagnostics,
 }
 
-/// Parses the scanned text and builds the tree.
-pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
+/// Parses the scanned text and builds the tree; `text` is what the parser sees. Returns the items that a later parse can
+/// take, too.
+pub(super) fn file(
+    id: FileId,
+    source: &str,
+    (scan, text): (&Scan, Option<&str>),
+    earlier: Option<&Earlier<'_>>,
+    diagnostics: &mut Diagnostics,
+) -> (File, Vec<Kept>) {
     let mut out = File { id, items: Vec::new(), is_broken: false, poisoned_names: BTreeSet::new(), texts: Vec::new() };
-    let Some(text) = scan.text.take() else {
+    let Some(text) = text else {
         // Nothing of the file was read: later stages must not report uses of its declarations.
         out.is_broken = true;
         out.poisoned_names.insert("*".into());
-        return out;
+        return (out, Vec::new());
     };
-    let mut b = Builder::new(id, source, &scan, &text, diagnostics);
-    match b.block(&ITEMS, 0) {
-        Some((items, _)) => out.items = items,
+    let mut kept = Vec::new();
+    let mut b = Builder::new(id, source, scan, text, diagnostics);
+    match b.items(earlier, &mut kept) {
+        Some(items) => out.items = items,
         None => {
             b.base = 0;
             let at = b.span(b.stuck, b.stuck + 1);
             b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None, meant: None });
             b.broken += 1;
             b.poisoned_names.insert("*".into());
+            kept.clear();
         }
     }
     out.is_broken = b.broken > 0;
     out.poisoned_names = b.poisoned_names;
-    out
+    (out, kept)
 }
 
 /// Parses a scanned text that is a single predicate.
@@ -84,6 +94,26 @@ pub(super) fn predicate(id: FileId, source: &str, mut scan: Scan, diagnostics: &
             None
         }
     }
+}
+
+/// What comes next in a block.
+enum Next<T> {
+    /// A part, perhaps unreadable, and its end.
+    Part(Option<T>, usize),
+    /// The end of the block.
+    End(usize),
+    /// Nothing that a rule matches.
+    Stuck,
+    /// A part whose block does not end.
+    Unclosed,
+}
+
+/// Adds a part: lists grow by small steps, as there are many short ones.
+fn push<T>(built: &mut Vec<T>, part: Option<T>) {
+    if built.len() == built.capacity() {
+        built.reserve_exact(2.max(built.len() / 4));
+    }
+    built.extend(part);
 }
 
 impl<'a> Builder<'a> {
@@ -104,11 +134,15 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// The byte after separators: the parser would record every line end in its input.
+    fn after_separators(&self, at: usize) -> Option<usize> {
+        let rest = self.text.get(at..)?;
+        Some(at + (rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';']).len()))
+    }
+
     /// Parses the next part by a rule, from a byte of the repaired text; returns its pair and its end.
     fn next(&mut self, rule: Rule, at: usize) -> Option<(Pair<'a, Rule>, usize)> {
-        // Separators are skipped here: the parser records every line end in its input.
-        let rest = self.text.get(at..)?;
-        let at = at + (rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';']).len());
+        let at = self.after_separators(at)?;
         match Grammar::parse(rule, self.text.get(at..)?) {
             Ok(mut pairs) => {
                 let part = pairs.next()?;
@@ -124,39 +158,94 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// The items of the file. `None` if one does not end; then no part counts as broken. Adds those that a later parse can
+    /// take.
+    fn items(&mut self, earlier: Option<&Earlier<'_>>, kept: &mut Vec<Kept>) -> Option<Vec<Item>> {
+        let (known, errors) = (self.diagnostics.iter().len(), self.errors);
+        let (mut built, mut at) = (Vec::new(), 0);
+        loop {
+            at = self.after_separators(at)?;
+            if let Some((item, place)) = earlier.and_then(|earlier| earlier.item(self, at)) {
+                at = place.mended.end;
+                kept.push(Kept { index: built.len(), ..place });
+                push(&mut built, Some(item));
+                continue;
+            }
+            let mistakes = (self.diagnostics.iter().len(), self.broken);
+            match self.next_part(&ITEMS, at) {
+                Next::Part(item, end) => {
+                    let is_block = matches!(item, Some(Item::Entity(_) | Item::Behavior(_) | Item::World(_)));
+                    let (mended, source) = (at..end, self.position(at)..self.position(end));
+                    if is_block
+                        && mistakes == (self.diagnostics.iter().len(), self.broken)
+                        && mended.len() == source.len()
+                        && self.text.get(..end).is_some_and(|text| text.ends_with('}'))
+                    {
+                        kept.push(Kept { index: built.len(), source, mended, is_taken: false });
+                    }
+                    push(&mut built, item);
+                    at = end;
+                }
+                Next::End(_) => {
+                    built.shrink_to_fit();
+                    return Some(built);
+                }
+                Next::Stuck => {
+                    self.diagnostics.take_back(known);
+                    self.errors = errors;
+                    return None;
+                }
+                Next::Unclosed => return None,
+            }
+        }
+    }
+
     /// The parts of a block from a byte on, and the end of the block. `None` if it does not end; then no part counts as
     /// broken.
     pub fn block<T>(&mut self, parts: &Parts<T>, mut at: usize) -> Option<(Vec<T>, usize)> {
         let (known, errors) = (self.diagnostics.iter().len(), self.errors);
         let mut built = Vec::new();
         loop {
-            let Some((pair, end)) = self.next(parts.next, at) else {
-                self.diagnostics.take_back(known);
-                self.errors = errors;
-                return None;
-            };
-            if matches!(pair.as_rule(), Rule::close_brace | Rule::EOI) {
-                built.shrink_to_fit();
-                return Some((built, end));
-            }
-            let (part, end) = match (parts.build)(self, &pair, end) {
-                Some(part) => part,
-                None => {
-                    let (pair, end) = self.next(parts.plain, at)?;
-                    (parts.build)(self, &pair, end)?
+            match self.next_part(parts, at) {
+                Next::Part(part, end) => {
+                    push(&mut built, part);
+                    at = end;
                 }
-            };
-            if built.len() == built.capacity() {
-                built.reserve_exact(2.max(built.len() / 4));
+                Next::End(end) => {
+                    built.shrink_to_fit();
+                    return Some((built, end));
+                }
+                Next::Stuck => {
+                    self.diagnostics.take_back(known);
+                    self.errors = errors;
+                    return None;
+                }
+                Next::Unclosed => return None,
             }
-            built.extend(part);
-            at = end;
         }
+    }
+
+    /// The next part of a block.
+    fn next_part<T>(&mut self, parts: &Parts<T>, at: usize) -> Next<T> {
+        let Some((pair, end)) = self.next(parts.next, at) else { return Next::Stuck };
+        if matches!(pair.as_rule(), Rule::close_brace | Rule::EOI) {
+            return Next::End(end);
+        }
+        if let Some((part, end)) = (parts.build)(self, &pair, end) {
+            return Next::Part(part, end);
+        }
+        let plain = self.next(parts.plain, at).and_then(|(pair, end)| (parts.build)(self, &pair, end));
+        plain.map_or(Next::Unclosed, |(part, end)| Next::Part(part, end))
     }
 
     /// The start of a pair in the repaired text.
     pub fn start_of(&self, pair: &Pair<'_, Rule>) -> usize {
         self.base + pair.as_span().start()
+    }
+
+    /// The byte of the source of a byte of the repaired text.
+    pub fn position(&self, at: usize) -> usize {
+        self.scan.position(at)
     }
 
     /// The source span of bytes of the repaired text.
@@ -265,7 +354,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The `///` lines directly above something.
-    fn doc(&self, of: Span) -> Option<String> {
+    pub(super) fn doc(&self, of: Span) -> Option<String> {
         let mut start = of.range().start;
         let mut lines = Vec::new();
         let before = self.scan.docs.partition_point(|c| (c.start as usize) < start);

@@ -19,7 +19,7 @@ use super::ast::{
     Look, Member, Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World,
     is_start,
 };
-use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
+use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, note_tile, parts};
 use super::reparse::{Earlier, Kept};
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
@@ -311,6 +311,12 @@ impl<'a> Builder<'a> {
         }
         let fact = message::explain(rule, self.text, from, to, &|a, b| self.span(a, b));
         self.diagnostics.report(fact);
+    }
+
+    /// Reports a tile that matched no rule. What its map has of it is not reported, too.
+    pub fn bad_tile(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
+        note_tile(pair.as_str(), &mut self.poisoned_names);
+        self.bad(rule, pair);
     }
 
     pub(super) fn item(&mut self, pair: &Pair<'_, Rule>, end: usize) -> Part<Item> {

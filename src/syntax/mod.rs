@@ -45,6 +45,7 @@ pub use import::{Trees, Unshared, load};
 pub use keyword::{Keyword, keywords, opening_keywords};
 pub(crate) use number::set_number;
 pub use number::{Number, numbers, unit_of};
+pub(crate) use part::{ANY_SYMBOL, symbol_name};
 pub use reparse::{Parsed, reparse};
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 pub use word::{is_name, is_reserved};

@@ -28,6 +28,8 @@ pub(in crate::lsp) struct MapTile {
     pub column: usize,
     /// From 0 at the bottom.
     pub row: usize,
+    /// From 0 at the top.
+    pub line: usize,
     pub symbol: char,
     /// The statement that says what it stands for.
     pub declared: Option<String>,
@@ -36,7 +38,7 @@ pub(in crate::lsp) struct MapTile {
 }
 
 /// The hover at a position; `more` adds lines to that of a tile.
-pub(super) fn hover_more(view: &View, at: &FileOffset, more: impl FnOnce(&MapTile) -> Vec<String>) -> Option<Hover> {
+pub(super) fn hover_more(view: &View, at: &FileOffset, more: &dyn Fn(&MapTile) -> Vec<String>) -> Option<Hover> {
     let document = view.documents.get(&at.path)?;
     let code = document.text.code();
     let (bytes, markdown) = match map_tile(&document.text, at.byte) {
@@ -115,6 +117,7 @@ fn in_world(world: &World, code: &str, byte: usize) -> Option<MapTile> {
                 space: space.name.text.to_string(),
                 column: before.chars().count(),
                 row: rows.len() - 1 - index,
+                line: index,
                 symbol,
                 declared: tile.map(|tile| declaration(tile, code)),
                 bytes: byte..byte + symbol.len_utf8(),

@@ -9,6 +9,7 @@ mod client;
 mod commands;
 mod context;
 mod edit_handlers;
+mod explain;
 mod extensions;
 mod findings;
 mod from_protocol;

@@ -21,7 +21,7 @@ use super::client::{Client, wants_verdicts};
 use super::commands::{self, Begun};
 use super::context::{Context, Failure, response};
 use super::extensions;
-use super::findings::Published;
+use super::findings::{Published, describe};
 use super::from_protocol::{changes, folders};
 use super::inbox::Inbox;
 use super::live::{Effects, Live};
@@ -131,6 +131,7 @@ impl Server {
                 },
                 tokens: SentTokens::default(),
                 verdicts: Shown::default(),
+                painted: Vec::new(),
             },
             sender,
             published: Published::default(),
@@ -202,6 +203,7 @@ impl Server {
             return;
         }
         self.revision += 1;
+        self.context.painted.clear();
         self.live.changed(self.revision);
         let outdated = self.context.verdicts.changed(&self.changed);
         self.outdate(&outdated);
@@ -554,12 +556,12 @@ impl Server {
         self.notify(method, params);
     }
 
-    /// Publishes the diagnostics of documents for which they changed.
     /// Whether the findings of a program are shown: it is open, or the client asks for those of the whole workspace.
     fn is_shown(&self, root: &Path) -> bool {
         self.context.client.reports_closed || self.context.view.documents.get(root).is_some()
     }
 
+    /// Publishes the diagnostics of documents for which they changed.
     fn publish(&mut self) {
         let (client, documents) = (&self.context.client, &self.context.view.documents);
         let is_open = |path: &Path| client.reports_closed || documents.get(path).is_some();
@@ -569,7 +571,8 @@ impl Server {
             snapshot.file(&path)?;
             Some(snapshot.document(&path)?.version)
         };
-        for params in self.published.update(is_open, version) {
+        for mut params in self.published.update(is_open, version) {
+            params.diagnostics.iter_mut().for_each(|finding| describe(finding, client));
             let params = serde_json::to_value(params).unwrap_or_default();
             let method = String::from(types::PublishDiagnosticsNotification::METHOD);
             let _ = self.sender.send(Notification { method, params }.into());

@@ -66,7 +66,7 @@ impl Service {
             Request::Completion { path, at } => self
                 .at(&path, at, |view, text, at| completion::completion(view, at).map(|found| completions(text, found))),
             Request::Hover { path, at } => self.at(&path, at, |view, text, at| {
-                let hover::Hover { at, markdown } = hover::hover(view, at)?;
+                let hover::Hover { at, markdown } = hover::hover(view, at, &|_| Vec::new())?;
                 let Range { start: from, end: to } = units_of(text.code(), &at.bytes);
                 Some(Answer::Hover { from, to, markdown })
             }),

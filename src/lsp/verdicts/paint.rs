@@ -80,6 +80,15 @@ pub(in crate::lsp) struct TilePlace {
 }
 
 impl Painted {
+    /// The tile whose character begins at a byte of a file.
+    pub fn tile_at(&self, path: &std::path::Path, text: &str, byte: usize) -> Option<&PaintedTile> {
+        self.spaces.iter().filter(|space| space.path == path).find_map(|space| {
+            let row = space.rows.iter().position(|row| row.contains(&byte))?;
+            let column = text.get(space.rows.get(row)?.start..byte)?.chars().count();
+            space.tiles.get(row * space.columns + column).filter(|_| column < space.columns)
+        })
+    }
+
     /// The way to a tile that was seen; its inputs were simulated.
     pub fn way_to(&self, place: &TilePlace) -> Option<Verdict> {
         let space = self.spaces.iter().find(|space| space.name == place.space)?;

@@ -9,6 +9,7 @@ mod ast_path;
 mod ast_test;
 mod ast_world;
 mod build;
+mod build_block;
 mod build_envelope;
 mod build_test;
 mod build_world;

@@ -22,6 +22,7 @@ mod maps;
 mod mutation;
 mod new;
 mod reference;
+mod reparse;
 mod robust;
 mod scale;
 mod schemas;

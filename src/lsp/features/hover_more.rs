@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use crate::source::FileId;
-use crate::syntax;
 use crate::syntax::ast::{Item, Map, MapSource, SpaceItem, Tile, World, WorldItem};
 
 use super::hover::Hover;
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::lsp::text::document_text::Text;
 use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::view::View;
 
@@ -42,7 +41,7 @@ pub(in crate::lsp) struct MapTile {
 pub(super) fn hover_more(view: &View, at: &FileOffset, more: &dyn Fn(&MapTile) -> Vec<String>) -> Option<Hover> {
     let document = view.documents.get(&at.path)?;
     let code = document.text.code();
-    let (bytes, markdown) = match map_tile(code, at.byte) {
+    let (bytes, markdown) = match map_tile(&document.text, at.byte) {
         Some(tile) => {
             let MapTile { world, space, symbol, column, row, .. } = &tile;
             let place = format!("`{symbol}` in column {column}, row {row} of `{world}.{space}`, counted from 0 below");
@@ -91,9 +90,10 @@ fn unit(text: &str) -> Option<String> {
 }
 
 /// The tile of an inline map at an offset.
-pub(in crate::lsp) fn map_tile(code: &str, byte: usize) -> Option<MapTile> {
-    let (tree, _) = syntax::parse(FileId(0), code);
-    let worlds = tree.items.iter().filter_map(|item| if let Item::World(world) = item { Some(&**world) } else { None });
+pub(in crate::lsp) fn map_tile(text: &Text, byte: usize) -> Option<MapTile> {
+    let code = text.code();
+    let worlds =
+        text.tree().items.iter().filter_map(|item| if let Item::World(world) = item { Some(world) } else { None });
     worlds.into_iter().filter(|world| world.span.range().contains(&byte)).find_map(|world| in_world(world, code, byte))
 }
 

@@ -16,7 +16,7 @@ use crate::lsp::view::{Refusal, View};
 /// An error response to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Failure {
-    code: i32,
+    pub code: i32,
     message: String,
 }
 

@@ -14,6 +14,7 @@ mod extensions;
 mod findings;
 mod from_protocol;
 mod handlers;
+mod inbox;
 mod kinds;
 mod lenses;
 mod live;

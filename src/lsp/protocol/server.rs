@@ -23,6 +23,7 @@ use super::context::{Context, Failure, response};
 use super::extensions;
 use super::findings::{Published, describe};
 use super::from_protocol::{changes, folders};
+use super::inbox::Inbox;
 use super::live::{Effects, Live};
 use super::play::Plays;
 use super::requests::{self, Needs};
@@ -171,11 +172,10 @@ impl Server {
             select! {
                 recv(messages) -> message => {
                     let Ok(message) = message else { return self.has_shut_down };
-                    if !self.message(message) {
-                        return self.has_shut_down;
-                    }
-                    // Batch all pending messages into one job.
-                    while let Ok(message) = messages.try_recv() {
+                    // All waiting messages make one job.
+                    let Inbox { messages, given_up } = Inbox::of(message, messages);
+                    given_up.into_iter().for_each(|(id, failure)| self.respond::<()>(id, Err(failure)));
+                    for message in messages {
                         if !self.message(message) {
                             return self.has_shut_down;
                         }

@@ -106,8 +106,13 @@ pub struct IdeCompilation {
     pub occurrences: Vec<Occurrence>,
 }
 
-/// As [`compile`], and keeps the resolved names. `trees` parses: an editor has parsed most of a text before.
-pub fn compile_for_ide(root: &Path, files: &dyn Files, trees: &dyn Trees) -> IdeCompilation {
+/// As [`compile`], and keeps the resolved names.
+pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
+    compile_parsed(root, files, &Unshared)
+}
+
+/// As [`compile_for_ide`]; `trees` parses, as an editor has parsed most of a text before.
+pub fn compile_parsed(root: &Path, files: &dyn Files, trees: &dyn Trees) -> IdeCompilation {
     let ((mut compilation, mut checked), trees) =
         stages(root, LevelFile::default(), &Changes::default(), (files, trees), Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use crate::compile::{Compilation, IdeCompilation, LevelFile, compile_for_ide, compile_with};
+use crate::compile::{Compilation, IdeCompilation, LevelFile, compile_parsed, compile_with};
 use crate::diagnostic::Diagnostics;
 use crate::source::{FileId, Files, ReadError, Span, decode, normalize};
 use crate::syntax::ast::{self, Behavior, Item};
@@ -101,7 +101,7 @@ impl Snapshot {
     /// Compiles a program; open documents take precedence over files on the disk. What it was `before` saves time.
     pub fn compile(root: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace, before: Option<&Snapshot>) -> Self {
         let files = Overlay::new(open, disk, before.map_or(&[], |before| &before.trees));
-        let ide = compile_for_ide(root, &files, &files);
+        let ide = compile_parsed(root, &files, &files);
         let Overlay { requested, trees, .. } = files;
         let mut snapshot = Snapshot::new(root, open, ide, requested.into_inner());
         // Programs that are not open change rarely, and there may be many.

@@ -7,9 +7,9 @@ use super::ast::{
     Appearance, Assignment, Behavior, Breakable, Call, Chance, Clamp, Collide, Collider, Condition, Constant,
     Continuous, Destroy, Dimension, Discrete, Domain, Dotted, Each, Edge, Entity, Envelope, Expect, Expr, ExprKind,
     Follow, Group, Import, Initial, Invariant, Item, Kind, Kinds, Legend, Limit, Link, Look, Map, MapSource, Member,
-    Mode, Moment, Name, Nearest, Path, Place, Player, Question, Ramp, RampKind, Rate, Receivers, Rectangle, Reference,
-    Response, Search, Seed, Send, Signal, Slope, Solid, Space, SpaceItem, Spawn, TagLook, Test, TestInputs, TestItem,
-    Tile, TileSpawn, Tiles, Update, Use, Variable, Without, World, WorldItem, Wrap,
+    Mode, Moment, Name, Nearest, Path, Place, PlaceHeight, Player, Question, Ramp, RampKind, Rate, Receivers,
+    Rectangle, Reference, Response, Search, Seed, Send, Signal, Slope, Solid, Space, SpaceItem, Spawn, TagLook, Test,
+    TestInputs, TestItem, Tile, TileSpawn, Tiles, Update, Use, Variable, Without, World, WorldItem, Wrap,
 };
 
 /// Where a part of a text is now.
@@ -194,6 +194,7 @@ enums! {
     }
     TestItem { Inputs(a), Seed(a), Expect(a), Search(a) }
     Moment { At(a), By(a), Always, Never }
+    PlaceHeight { At(a), Above(a) }
 }
 
 impl Moved for ExprKind {

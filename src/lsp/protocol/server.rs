@@ -183,7 +183,9 @@ impl Server {
                 }
                 recv(events) -> event => {
                     let Ok(event) = event else { return false };
-                    self.event(event);
+                    // One at a time, they would wait behind the messages of one who types.
+                    let count = events.len();
+                    std::iter::once(event).chain(events.try_iter().take(count)).for_each(|event| self.event(event));
                 }
                 recv(reports) -> report => {
                     let Ok(report) = report else { return false };

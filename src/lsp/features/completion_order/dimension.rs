@@ -1,9 +1,10 @@
 //! The dimension of what is written at a cursor, and of the names that can be: by the program, or by what they are
 //! called.
 
-use super::Order;
+use crate::lsp::features::completion_items::CompletionCollector;
 use crate::lsp::features::hover::per_second;
-use crate::lsp::text::cursor::Block;
+use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::sema::checked::Entity;
 
 /// Parts of names that tell a dimension.
 const HINTS: &[(&str, &str)] = &[
@@ -24,7 +25,16 @@ const HINTS: &[(&str, &str)] = &[
     ("reach", "px"),
 ];
 
-impl Order<'_> {
+/// What tells dimensions at a cursor.
+#[derive(Clone, Copy)]
+pub(super) struct Dimensions<'a> {
+    pub of: &'a CompletionCollector<'a>,
+    pub cursor: &'a CursorContext<'a>,
+    /// The entity around the cursor.
+    pub own: Option<&'a Entity>,
+}
+
+impl Dimensions<'_> {
     /// The dimension of a name, by the program or by what it is called.
     pub(super) fn dimension(&self, name: &str) -> Option<String> {
         let own = self.own?;

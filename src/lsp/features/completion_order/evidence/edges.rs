@@ -1,0 +1,147 @@
+//! Evidence from the edges around: what modes beside this one ask, how this mode is entered, what like edges do.
+
+use std::collections::BTreeSet;
+
+use super::names::share_stem;
+use super::{Candidate, Evidence, Take, yes};
+use crate::lsp::features::completion_order::reading::{Reading, Word, ends_statement};
+
+/// An assignment on an edge.
+pub(super) struct Update<'t> {
+    /// The indices of the first word of the edge, and of its brace.
+    pub head: usize,
+    pub brace: usize,
+    pub assigned: &'t str,
+    /// The first word of the value.
+    pub value: &'t str,
+}
+
+/// The assignments on edges of a reading.
+pub(super) fn updates<'t>(reading: &Reading<'t>) -> Vec<Update<'t>> {
+    let (mut found, mut start, mut edge) = (Vec::new(), 0, None);
+    for (at, word) in reading.words.iter().enumerate() {
+        match word.text {
+            "{" => {
+                edge = matches!(reading.word(start).text, "when" | "else").then_some((start, at));
+                start = at + 1;
+            }
+            "}" => (edge, start) = (None, at + 1),
+            ";" => start = at + 1,
+            ":=" | "+=" | "-=" => {
+                if let Some((head, brace)) = edge {
+                    let (assigned, value) = (reading.word(start).text, reading.word(at + 1).text);
+                    found.push(Update { head, brace, assigned, value });
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+impl<'t> Evidence<'t> {
+    /// Where earlier edges led whose guards have names and keywords of this one.
+    pub(super) fn led(&self) -> Vec<(&'t str, f32)> {
+        let set = |words: &[Word<'t>]| -> BTreeSet<&'t str> {
+            words.iter().map(|word| word.text).filter(|text| text.len() > 2).collect()
+        };
+        let all = &self.reading.words;
+        let here = set(all.get(self.reading.start..all.len() - 1).unwrap_or_default());
+        let shares = self.reading.edges.iter().filter_map(|edge| {
+            let there = set(all.get(edge.guard.clone())?);
+            let both = here.intersection(&there).count();
+            (both > 1).then(|| (edge.to, both as f32 / here.union(&there).count() as f32))
+        });
+        shares.collect()
+    }
+
+    /// Whether the modes beside this one go on like that, and how this one is entered.
+    pub(super) fn siblings(&self, item: &Candidate<'_>, is_name: bool, take: Take<'_>) {
+        let reading = &self.reading;
+        let kind = if is_name { "name" } else { item.class };
+        let before = reading.before(1).text;
+        let before = if ends_statement(before) { "^" } else { before };
+        let is_pair = |at: usize| {
+            let last = at.checked_sub(1).map_or("", |at| reading.word(at).text);
+            last == before || before == "^" && ends_statement(last)
+        };
+        let at = reading.names.get(item.label).map_or(&[][..], |uses| &uses.at);
+        if let Some(mode) = reading.enclosing("mode")
+            && matches!(before, "^" | "when" | "and" | "or" | "not" | "=")
+        {
+            let here = at.iter().any(|at| *at >= mode.head && is_pair(*at));
+            let group = reading.enclosing("group").map_or(0, |group| group.head);
+            let heads = &self.mode_heads;
+            let beside = heads.iter().filter(|head| (group..mode.head).contains(*head)).count();
+            let mut with: Vec<usize> = Vec::new();
+            for at in at.iter().filter(|at| (group..mode.head).contains(*at) && is_pair(**at)) {
+                let head = heads.partition_point(|head| head <= at);
+                if with.last() != Some(&head) {
+                    with.push(head);
+                }
+            }
+            if beside > 0 {
+                let share = with.len() as f32 / beside as f32;
+                take(&["beside", yes(here), before, kind], share);
+                if share > 0.6 && beside > 1 {
+                    take(&["beside most", yes(here), before], 1.0);
+                }
+            }
+            // How the mode is entered tells how it is left.
+            let entered = reading.edges.iter().filter(|edge| edge.to == mode.name && edge.from != mode.name);
+            let (mut has, mut negated, mut any) = (false, false, false);
+            for edge in entered {
+                any = true;
+                for at in edge.guard.clone().filter(|at| reading.word(*at).text == item.label) {
+                    has = true;
+                    negated |= at.checked_sub(1).is_some_and(|at| reading.word(at).text == "not");
+                }
+            }
+            if any && matches!(before, "when" | "and" | "or" | "not") {
+                let how = match (has, negated) {
+                    (false, _) => "without",
+                    (true, true) => "negated",
+                    (true, false) => "with",
+                };
+                take(&["entered", how, before, item.class], 1.0);
+                take(&["entered", how, before, yes(here), kind], 1.0);
+            }
+        }
+    }
+
+    /// What edges with the same target or a like guard do.
+    pub(super) fn updates(&self, item: &Candidate<'_>, is_name: bool, take: Take<'_>) {
+        let reading = &self.reading;
+        let before = reading.before(1).text;
+        let before = if ends_statement(before) { "^" } else { before };
+        if let Some(edge) = reading.open.last().filter(|open| open.block == "when")
+            && matches!(before, "^" | ":=")
+        {
+            let head = reading.words.get(edge.head..edge.brace).unwrap_or_default();
+            let target = head.iter().position(|word| word.text == "->").and_then(|at| head.get(at + 1));
+            let first = |words: &[Word<'t>]| words.get(1).map_or("", |word| word.text);
+            let assigned = reading.word(reading.start).text;
+            let done = reading.names.get(item.label).is_some_and(|uses| {
+                uses.at.iter().any(|at| *at > edge.brace && matches!(reading.word(at - 1).text, "{" | ";"))
+            });
+            let (mut same_target, mut same_guard) = (false, false);
+            for other in &self.updates {
+                let does = match before {
+                    "^" => other.assigned == item.label,
+                    _ => other.assigned == assigned && other.value == item.label,
+                };
+                let there = reading.words.get(other.head..other.brace).unwrap_or_default();
+                if does && other.brace < edge.brace {
+                    same_target |= target.is_some_and(|target| there.iter().any(|word| word.text == target.text));
+                    same_guard |= first(there) == first(head);
+                }
+            }
+            let kind = if is_name { "name" } else { "word" };
+            take(&["updates", before, yes(same_target), yes(same_guard), yes(done), kind], 1.0);
+            if let Some(target) = target {
+                take(&["target stem", before, yes(share_stem(item.label, target.text)), kind], 1.0);
+            }
+            take(&["has target", before, yes(target.is_some()), item.class], 1.0);
+        }
+    }
+}

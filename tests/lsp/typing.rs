@@ -126,6 +126,7 @@ fn typing_new_entities() {
     for path in crate::support::files("tests/lsp/sessions", "hyped") {
         let count = typed(&std::fs::read_to_string(&path).unwrap());
         assert!(count.positions >= 150, "{}", path.display());
+        println!("{}: {} {} {}", path.display(), count.positions, count.first, count.among_three);
         all.positions += count.positions;
         all.first += count.first;
         all.among_three += count.among_three;

@@ -12,11 +12,13 @@ use super::{Memory, PATH, language};
 
 /// What a large weight costs, and what any weight costs.
 const SQUARED_COST: f32 = 0.3 / 50.0;
-const COST: f32 = 0.02;
+const COST: f32 = 0.01;
 const STEP: f32 = 0.2;
 const ROUNDS: usize = 12;
+/// How much a position of an example counts: sessions are written to be typed, examples are edited for long.
+const EXAMPLE: f32 = 0.5;
 /// The number of positions at which a feature must be seen.
-const SEEN: usize = 15;
+const SEEN: usize = 10;
 /// Weights are written in parts of this many.
 const UNIT: f32 = 20.0;
 
@@ -118,6 +120,7 @@ fn fit(examples: &[&Example], features: usize) -> Vec<f32> {
             }
             let scores = example.scores(&weights);
             let most = scores.iter().copied().fold(f32::MIN, f32::max);
+            let counts = if example.is_session { 1.0 } else { EXAMPLE };
             let likely: Vec<f32> = scores.iter().map(|score| (score - most).exp()).collect();
             let all: f32 = likely.iter().sum();
             let right: f32 = likely.iter().zip(&example.wanted).filter(|(_, wanted)| **wanted).map(|(p, _)| p).sum();
@@ -128,7 +131,7 @@ fn fit(examples: &[&Example], features: usize) -> Vec<f32> {
                 }
                 for (feature, value) in item.iter().filter(|(feature, _)| seen[*feature] >= SEEN) {
                     let weight = &mut weights[*feature];
-                    let slope = slope * value + SQUARED_COST * *weight;
+                    let slope = counts * slope * value + SQUARED_COST * *weight;
                     squares[*feature] += slope * slope;
                     let step = STEP / squares[*feature].sqrt();
                     *weight -= step * slope;

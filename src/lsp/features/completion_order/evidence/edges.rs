@@ -109,6 +109,37 @@ impl<'t> Evidence<'t> {
         }
     }
 
+    /// How the guards of a mode follow each other.
+    pub(super) fn guards(&self, item: &Candidate<'_>, take: Take<'_>) {
+        let reading = &self.reading;
+        let Some(open) = reading.open.last().filter(|_| reading.before(1).text == "when") else { return };
+        let edges = open.statements.iter().filter(|at| **at < reading.start && reading.word(**at).text == "when");
+        let last = edges.clone().next_back();
+        let class = |at: Option<&usize>| at.map_or("^", |at| reading.word(at + 1).class);
+        let sign = |at: Option<&usize>| match class(at) {
+            "not" => at.map_or("", |at| reading.word(at + 2).class),
+            class => class,
+        };
+        let earlier = edges.rev().nth(1);
+        take(&["guard after", class(last), item.class], 1.0);
+        take(&["guard after", class(earlier), sign(last), item.class], 1.0);
+        if let Some(last) = last {
+            let is_same = reading.word(last + 1).text == item.label;
+            let negates = reading.word(last + 2).text == item.label;
+            let end = open.statements.iter().find(|at| *at > last).copied().unwrap_or(reading.start);
+            let guard = reading.words.get(*last..end).unwrap_or_default();
+            let guard = guard.split(|word| matches!(word.text, "->" | "{")).next().unwrap_or_default();
+            let has = guard.iter().any(|word| word.text == item.label);
+            let joins = guard.iter().any(|word| word.text == "and");
+            let stays = reading.edges.last().is_none_or(|edge| edge.guard.start != *last);
+            take(&["guard has", yes(is_same), yes(has), yes(joins), item.class], 1.0);
+            take(&["guard has", yes(is_same), yes(has), yes(joins), yes(stays)], 1.0);
+            if negates {
+                take(&["guard negates", item.class], 1.0);
+            }
+        }
+    }
+
     /// What edges with the same target or a like guard do.
     pub(super) fn updates(&self, item: &Candidate<'_>, is_name: bool, take: Take<'_>) {
         let reading = &self.reading;
@@ -137,6 +168,23 @@ impl<'t> Evidence<'t> {
                 }
             }
             let kind = if is_name { "name" } else { "word" };
+            let ours = self.updates.iter().filter(|other| other.head == edge.head);
+            let last = ours.clone().next_back();
+            if before == "^" {
+                let previous = self.updates.iter().rfind(|other| other.brace < edge.brace);
+                if let Some(previous) = previous.filter(|_| last.is_none()) {
+                    take(&["update again", yes(previous.assigned == item.label), kind], 1.0);
+                }
+                // What was assigned next where the last one was.
+                let follows = last.is_some_and(|last| {
+                    self.updates.windows(2).any(|pair| {
+                        pair[0].head == pair[1].head
+                            && pair[0].assigned == last.assigned
+                            && pair[1].assigned == item.label
+                    })
+                });
+                take(&["update follows", yes(follows), kind], 1.0);
+            }
             take(&["updates", before, yes(same_target), yes(same_guard), yes(done), kind], 1.0);
             if let Some(target) = target {
                 take(&["target stem", before, yes(share_stem(item.label, target.text)), kind], 1.0);

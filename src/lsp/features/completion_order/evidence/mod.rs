@@ -148,6 +148,7 @@ impl<'t> Evidence<'t> {
         }
         self.matches(item, is_name, take);
         self.siblings(item, is_name, take);
+        self.guards(item, take);
         self.updates(item, is_name, take);
         if is_name {
             self.name(item, take);

@@ -83,8 +83,10 @@ fn labels(old: &str, new: &str) -> Vec<String> {
 #[test]
 fn speeds_are_first_where_a_speed_is_wanted() {
     let found = labels("x' = if(facing == left, -dash_speed, dash_speed)", "x' = |");
-    let params: Vec<&String> =
-        found.iter().filter(|label| label.ends_with("_speed") || label.ends_with("_time") || *label == "gravity").collect();
+    let params: Vec<&String> = found
+        .iter()
+        .filter(|label| label.ends_with("_speed") || label.ends_with("_time") || *label == "gravity")
+        .collect();
     assert_eq!(params, ["dash_speed", "walk_speed", "gravity", "hop_time"], "{found:?}");
     let found = labels("y'' = gravity", "y'' = |");
     assert_eq!(found.first().map(String::as_str), Some("gravity"), "{found:?}");
@@ -178,6 +180,7 @@ fn what_an_edge_touches_is_offered_on_it() {
 
 #[test]
 fn modes_that_are_only_asked_for_are_offered_to_be_declared() {
-    let found = labels("    group mood {", "    group mood {\n        mode wild { when in lost_mode -> calm }\n        mode |");
+    let found =
+        labels("    group mood {", "    group mood {\n        mode wild { when in lost_mode -> calm }\n        mode |");
     assert!(found.contains(&"lost_mode".into()) && found.contains(&"calm".into()), "{found:?}");
 }

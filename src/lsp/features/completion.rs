@@ -37,7 +37,10 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let cursor = CursorContext::at(code, at.byte);
     let items = collected(view, at, code, &cursor)?;
     let replaces = cursor.word.start..cursor.word.end.max(at.byte);
-    Some(Completions { replaces, items: ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor)) })
+    Some(Completions {
+        replaces,
+        items: ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor)),
+    })
 }
 
 /// The names of the items at a position, and the features by which they are ordered.

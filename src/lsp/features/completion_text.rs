@@ -120,8 +120,7 @@ impl CompletionCollector<'_> {
         let all = tokens(text);
         let all = all.iter().filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline));
         let words: Vec<&str> = all.map(|token| token.text(text)).collect();
-        let declared: BTreeSet<&str> =
-            words.windows(2).filter(|pair| pair[0] == "mode").map(|pair| pair[1]).collect();
+        let declared: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == "mode").map(|pair| pair[1]).collect();
         let mut awaited: Vec<&str> = Vec::new();
         for at in 1..words.len() {
             // `not in hidden`: of the instance itself; `entering(life.dead)`.

@@ -118,7 +118,8 @@ pub fn positions<'t>(text: &'t str, language: &BTreeSet<String>) -> (Vec<Positio
         let is_named =
             DECLARING.contains(&last) || text[..at].trim_end().ends_with("->") || in_set || is_in_names(so_far);
         last = wanted;
-        let is_new = (!language.contains(wanted) && !OTHER_WORDS.contains(&wanted) || is_named) && !known.contains(wanted);
+        let is_new =
+            (!language.contains(wanted) && !OTHER_WORDS.contains(&wanted) || is_named) && !known.contains(wanted);
         known.insert(wanted);
         if is_new {
             new_names += 1;

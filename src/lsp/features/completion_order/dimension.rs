@@ -19,6 +19,8 @@ const HINTS: &[(&str, &str)] = &[
     ("delay", "s"),
     ("duration", "s"),
     ("cooldown", "s"),
+    ("range", "px"),
+    ("radius", "px"),
     ("width", "px"),
     ("height", "px"),
     ("distance", "px"),
@@ -86,6 +88,10 @@ impl Dimensions<'_> {
             "accel" => self.enveloped(1),
             "sustain" | "to" => self.enveloped(0),
             "over" | "for" => Some("s".into()),
+            // `near(self, prey, sight)`
+            "," if self.cursor.calls.last().is_some_and(|call| call.name == "near" && call.argument > 1) => {
+                Some("px".into())
+            }
             "(" | ","
                 if self.cursor.calls.last().is_some_and(|call| matches!(call.name, "min" | "max" | "clamp" | "if")) =>
             {

@@ -39,8 +39,7 @@ pub(super) struct UsualOrder<'a> {
 
 impl<'a> UsualOrder<'a> {
     pub fn new(of: &'a CompletionCollector<'a>, cursor: &'a CursorContext<'a>) -> Self {
-        let mut order =
-            UsualOrder { cursor, of, uses: BTreeMap::new(), words: 0, statement_before: String::new() };
+        let mut order = UsualOrder { cursor, of, uses: BTreeMap::new(), words: 0, statement_before: String::new() };
         // Outside of all items the names do not matter.
         if let Some(item) = cursor.blocks.first() {
             order.read(of.code.get(item.start..cursor.word.start).unwrap_or_default());
@@ -218,10 +217,7 @@ impl<'a> UsualOrder<'a> {
             CompletionKind::Constant if item.detail.ends_with("unless the program declares it") => {
                 (20, self.by_use(label))
             }
-            CompletionKind::Variable
-            | CompletionKind::Constant
-            | CompletionKind::Input
-            | CompletionKind::Instance => {
+            CompletionKind::Variable | CompletionKind::Constant | CompletionKind::Input | CompletionKind::Instance => {
                 // What was written in such a place before.
                 let place = format!("{} {}", self.cursor.previous(2), self.cursor.previous(1));
                 let again = self.uses.get(label).is_some_and(|uses| uses.after.contains(&place));

@@ -140,6 +140,46 @@ impl<'t> Evidence<'t> {
         }
     }
 
+    /// What a variable is changed to, by what it begins as and what it was changed to before.
+    pub(super) fn changes(&self, item: &Candidate<'_>, take: Take<'_>) {
+        let reading = &self.reading;
+        let name = reading.word(reading.start).text;
+        let declared = reading.names.get(name).and_then(|uses| uses.declared);
+        let Some(declared) = declared.filter(|_| reading.before(1).text == ":=") else { return };
+        let after = reading.words.get(declared..).unwrap_or_default();
+        let statement = after.iter().take_while(|word| word.text != ";");
+        let initial = statement.skip_while(|word| word.text != "=").nth(1).map_or("", |word| word.text);
+        let class = reading.class(name).unwrap_or_default();
+        let last = self.updates.iter().rev().skip(1).find(|other| other.assigned == name).map(|other| other.value);
+        let edge = reading.open.last().filter(|open| open.block == "when");
+        let head = edge.and_then(|edge| reading.words.get(edge.head..edge.brace)).unwrap_or_default();
+        let asked = head.iter().position(|word| word.text == name);
+        let is_asked = match asked {
+            None => "no",
+            Some(at) if at > 0 && head.get(at - 1).is_some_and(|word| word.text == "not") => "not",
+            Some(_) => "yes",
+        };
+        if matches!(item.class, "true" | "false" | "#value") {
+            let value = if class == "#bool" { item.class } else { "" };
+            let is_last = last.map_or("none", |last| yes(last == item.label));
+            take(&["change", class, value, is_asked, yes(initial == item.label), is_last], 1.0);
+            take(&["change", class, value, is_asked], 1.0);
+            take(&["change to", class, yes(initial == item.label), is_last], 1.0);
+            let compares = asked.and_then(|at| head.get(at + 2)).is_some_and(|word| word.text == item.label);
+            take(&["change from", class, yes(compares)], 1.0);
+        } else {
+            let kind = if item.label == name { "itself" } else { item.class };
+            let begins = if initial == "0" { "0" } else { "more" };
+            take(&["change of", class, begins, kind], 1.0);
+            take(&["change of", class, begins, is_asked, kind], 1.0);
+            if let Some(last) = last {
+                let how = if last == name { "itself" } else { last };
+                let how = if matches!(how, "itself" | "min" | "max" | "if") { how } else { "other" };
+                take(&["change again", class, how, kind], 1.0);
+            }
+        }
+    }
+
     /// What edges with the same target or a like guard do.
     pub(super) fn updates(&self, item: &Candidate<'_>, is_name: bool, take: Take<'_>) {
         let reading = &self.reading;

@@ -51,8 +51,7 @@ pub(super) struct Evidence<'t> {
     role: &'static str,
 }
 
-const DIGITS: [&str; 17] =
-    ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16"];
+const DIGITS: [&str; 17] = ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16"];
 
 /// A small number in the name of a feature.
 fn digit(number: usize, most: usize) -> &'static str {
@@ -149,6 +148,7 @@ impl<'t> Evidence<'t> {
         self.matches(item, is_name, take);
         self.siblings(item, is_name, take);
         self.guards(item, take);
+        self.changes(item, take);
         self.updates(item, is_name, take);
         if is_name {
             self.name(item, take);
@@ -239,7 +239,6 @@ impl<'t> Evidence<'t> {
             }
         }
     }
-
 }
 
 /// Whether a class is one of names that a statement assigns.

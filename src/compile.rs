@@ -18,9 +18,9 @@ use crate::lint;
 use crate::sema::checked::Checked;
 use crate::sema::{self, Level};
 use crate::source::{FileId, Files, SourceMap};
-use crate::syntax;
 use crate::syntax::ast::{self, MapSource};
 use crate::syntax::occurrence::{Occurrence, Occurrences};
+use crate::syntax::{self, Trees, Unshared};
 
 pub use crate::sema::checked::When;
 pub use crate::syntax::ast::SearchKind;
@@ -92,7 +92,7 @@ pub fn compile_constrained(
 
 /// As [`compile_with`], with changes of the program: further questions, and numbers that are set.
 pub fn compile_changed(root: &Path, level: LevelFile<'_>, changes: &Changes<'_>, files: &dyn Files) -> Compilation {
-    stages(root, level, changes, files, Occurrences::default()).0.0
+    stages(root, level, changes, (files, &Unshared), Occurrences::default()).0.0
 }
 
 /// A compilation with the names that its stages resolved: for editors.
@@ -106,10 +106,10 @@ pub struct IdeCompilation {
     pub occurrences: Vec<Occurrence>,
 }
 
-/// As [`compile`], and keeps the resolved names.
-pub fn compile_for_ide(root: &Path, files: &dyn Files) -> IdeCompilation {
+/// As [`compile`], and keeps the resolved names. `trees` parses: an editor has parsed most of a text before.
+pub fn compile_for_ide(root: &Path, files: &dyn Files, trees: &dyn Trees) -> IdeCompilation {
     let ((mut compilation, mut checked), trees) =
-        stages(root, LevelFile::default(), &Changes::default(), files, Occurrences::kept());
+        stages(root, LevelFile::default(), &Changes::default(), (files, trees), Occurrences::kept());
     let mut occurrences = std::mem::take(&mut checked.occurrences).sorted(&compilation.sources);
     occurrences.extend(sema::names_of_unused(trees, &mut compilation.sources, &occurrences));
     occurrences.sort_unstable();
@@ -122,11 +122,11 @@ fn stages(
     root: &Path,
     level: LevelFile<'_>,
     changes: &Changes<'_>,
-    files: &dyn Files,
+    (files, trees): (&dyn Files, &dyn Trees),
     mut occurrences: Occurrences,
 ) -> ((Compilation, Checked), Vec<ast::File>) {
     let mut sources = SourceMap::new();
-    let (mut trees, mut diagnostics) = syntax::load(root, files, &mut sources);
+    let (mut trees, mut diagnostics) = syntax::load(root, (files, trees), &mut sources);
     changes::add_questions(changes, &mut trees, &mut sources, &mut diagnostics);
     diagnostics.append(syntax::expand(&mut trees, &mut sources, &mut occurrences));
     changes::set_numbers(changes, &mut trees, &mut sources, &mut diagnostics);

@@ -499,3 +499,18 @@ fn fmt_goes_from_standard_input_to_standard_output() {
     let (code, shown, error) = answered(&["fmt", "-"], &[b'a', 0xff]);
     assert!(code == 2 && shown.is_empty() && error.contains("error[E0002]"), "{error}");
 }
+
+#[test]
+fn a_hyphen_names_no_file() {
+    for arguments in [["--svg", "-"], ["--save-inputs", "-"], ["--html", "-"], ["--junit", "-"], ["--csv", "-"]] {
+        let text = shown(&[&["reach", TEST1], arguments.as_slice()].concat());
+        assert!(text.contains("--- exit 2") && text.contains("standard output has the result already"), "{text}");
+    }
+    assert!(!PathBuf::from("-").exists());
+    // Where standard output can have it, it does.
+    let entity = "tests/import/xml/mario.char.xml";
+    let imported = |more: &[&str]| hypedc(&[&["import", "xml", entity], more].concat());
+    assert_eq!(imported(&["-o", "-"]).stdout, imported(&[]).stdout);
+    let text = shown(&["reach", TEST1, "--skill", "soon"]);
+    assert!(text.contains("a number of steps such as `12`, or a time such as"), "{text}");
+}

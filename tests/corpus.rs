@@ -385,6 +385,41 @@ fn what_is_asked_wrongly_is_told_before_all_levels() {
 }
 
 #[test]
+fn a_page_has_a_row_with_a_picture_for_each_question() {
+    let place = TestFolder::new("page");
+    let of = "--map levels --goal out --nodes 3000";
+    place.write("levels/z & co.txt", "..\n...\n");
+    place.run(&format!("{of} --results old.jsonl"));
+    place.write("levels/a.txt", LEVELS[2].1);
+    std::fs::rename(place.0.join("levels/d.txt"), place.0.join("levels/e.txt")).unwrap();
+    let kept = format!("{of} --results rows.jsonl --baseline old.jsonl --html page.html");
+    assert_eq!(place.answer(&kept).0, 1);
+    let page = place.read("page.html");
+    let row = |level: &str| {
+        let start = page.find(&format!("<tr><td>levels/{level}.txt")).unwrap_or_else(|| panic!("{level} in {page}"));
+        page[start + 4..].split("<tr>").next().unwrap().to_string()
+    };
+    for (level, words) in [
+        ("a", &["not found", "lost: was reached", "not among"][..]),
+        ("b", &["class=\"good\">reached", " steps</small>"]),
+        ("c", &["class=\"open\">not found"]),
+        ("e", &["reached", "new"]),
+        ("z &amp; co", &["class=\"bad\">error", "E0501"]),
+        ("d", &["not asked any more", "was reached"]),
+    ] {
+        let text = row(level);
+        assert!(words.iter().all(|word| text.contains(word)), "{level}: {text}");
+        // A level that cannot be read, or is gone, has none.
+        assert_eq!(text.contains("<img"), !matches!(level, "z &amp; co" | "d"), "{level}: {text}");
+    }
+    assert!(page.contains("since old.jsonl: 3 as before, 1 not asked any more") && !page.contains("<script"), "{page}");
+    // A row that is kept has the same picture as one that was computed.
+    place.run(&kept);
+    let pictures = |page: &str| page.split("<img").skip(1).map(str::to_string).collect::<Vec<_>>();
+    assert_eq!(pictures(&place.read("page.html")), pictures(&page));
+}
+
+#[test]
 fn a_baseline_tells_what_changed() {
     let place = TestFolder::new("baseline");
     let of = "--map levels --nodes 3000";

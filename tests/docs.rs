@@ -292,6 +292,49 @@ fn play(page: &Path) -> Played {
     played
 }
 
+#[path = "../benches/results/tables.rs"]
+#[allow(dead_code, reason = "the bench measures what this module reads")]
+mod tables;
+
+#[test]
+fn a_table_is_made_of_results_alone() {
+    let about = serde_json::json!({ "machine": "a machine", "date": "2020-01-02", "hypedc": "0.0.0", "commit": "abc" });
+    let ask = |command: &str| {
+        let (is_minimal, seed) = (command.contains("--minimize"), if command.contains("--seed 3 ") { 3 } else { 1 });
+        serde_json::json!({ "goals": [{
+            "verdict": if seed == 3 { "not-found" } else { "reached" }, "nodes": 1000 * seed, "seconds": 0.25,
+            "seconds_of_play": if is_minimal { 20.0 } else { 60.0 }, "whole_seconds": 2.0, "other": "left out"
+        }] })
+    };
+    let (_, table) = tables::TABLES.iter().find(|(name, _)| *name == "levels").unwrap();
+    let mut measured = tables::Results::measured(about, ask);
+    let first = table(&mut measured);
+    assert!(first.contains("| `smb`, 1-1 | 9 of 10 | 1,000 | 0.25 | 0.25 | 60 | 20 | 2 |\n"), "{first}");
+    let text = measured.text();
+    assert!(!text.contains("left out"));
+    let mut kept = tables::Results::of_file(&text);
+    assert_eq!((table(&mut kept), kept.text()), (first.clone(), text));
+    let page = tables::with_table("a\n<!-- measured: levels -->\nold\n<!-- end -->\nb\n", "levels", &first, &kept);
+    let said = "Measured on 2020-01-02 with hypedc 0.0.0 (abc) on a machine.";
+    assert_eq!(page, format!("a\n<!-- measured: levels -->\n\n{first}\n{said}\n\n<!-- end -->\nb\n"));
+}
+
+#[test]
+fn measured_tables_are_those_of_the_files_of_results() {
+    let files = tables::TABLES.iter().filter(|(name, _)| Path::new(&tables::path_of(name)).exists());
+    for (name, table) in files {
+        let mut results = tables::Results::of_file(&std::fs::read_to_string(tables::path_of(name)).unwrap());
+        let page = std::fs::read_to_string(tables::PAGE).unwrap();
+        let table = table(&mut results);
+        let new = tables::with_table(&page, name, &table, &results);
+        if std::env::var_os("UPDATE").is_some() {
+            std::fs::write(tables::PAGE, new).unwrap();
+        } else {
+            assert!(new == page, "the table {name} of {} is another one: UPDATE=1 writes it", tables::PAGE);
+        }
+    }
+}
+
 #[test]
 fn sessions_print_what_is_shown() {
     let pages = pages();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::support::{Disk, files, program};
-use hypedc::compile::compile;
+use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::diagnostic::render;
 use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Input, Script, Simulator, State, parse_script};
@@ -101,6 +101,16 @@ fn script_of(path: &Path) -> Option<PathBuf> {
     script.exists().then_some(script)
 }
 
+/// A program, with the first level beside it if its map is open.
+fn playable(path: &Path) -> Arc<Program> {
+    let has_open_map = std::fs::read_to_string(path).unwrap().lines().any(|line| line.trim().starts_with("map level"));
+    if !has_open_map {
+        return program(compile(path, &Disk));
+    }
+    let levels = files(path.parent().unwrap().to_str().unwrap(), "txt");
+    program(compile_with(path, LevelFile { map: Some(&levels[0]), ..LevelFile::default() }, &Disk))
+}
+
 fn parsed(program: &Program, path: &Path) -> Script {
     let text = std::fs::read_to_string(path).unwrap();
     let mut sources = SourceMap::new();
@@ -125,7 +135,7 @@ fn scripts_end_where_they_are_meant_to() {
     for path in files("examples", "hyped") {
         let Some(script) = script_of(&path) else { continue };
         let name = name_of(&path, "examples");
-        let program = program(compile(&path, &Disk));
+        let program = playable(&path);
         let script = parsed(&program, &script);
         let run = Run::new(&program, WorldId(0), &script, &name);
         assert_eq!(run.violated, [], "{name}: what must not happen");

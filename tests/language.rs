@@ -1,6 +1,7 @@
 //! From text to a program: diagnostics, layout, imports, levels, editors.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "a minimum in a test is of numbers other than -0")]
 
 mod support;
 
@@ -21,6 +22,7 @@ mod maps;
 mod mutation;
 mod new;
 mod reference;
+mod reparse;
 mod robust;
 mod scale;
 mod schemas;

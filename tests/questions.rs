@@ -13,7 +13,7 @@ use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::reach::{
-    Argument, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Verdict, reach, search as grow,
+    Argument, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Verdict, exhaust, reach, search as grow,
 };
 use hypedc::sim::{Input, PlayerInput, Script, Simulator, State};
 use hypedc::watch::Unwatched;
@@ -115,13 +115,28 @@ fn small_questions() -> Vec<(String, Arc<Program>, Target)> {
 
 #[test]
 fn exhaustion_agrees_with_a_search_step_by_step() {
-    let (mut found, mut proven) = (0, 0);
+    let (mut found, mut proven, mut visits) = (0, 0, [0; 2]);
     for (name, program, target) in small_questions() {
         let sim = Simulator::new(&program, WORLD);
         for least in [1_u16, 2, 3, 7, 12] {
             let problem = Problem::asking(&sim, target).holding(least);
             let Some(expected) = by_steps(&problem, usize::from(least), 3_000) else { continue };
             let what = format!("{name} {target:?}, held for {least}");
+            let limits = Limits { nodes: 100_000, ..Limits::default() };
+            let visited = exhaust(&problem, &limits, 2, &Unwatched).unwrap();
+            match (visited.as_ref().map(|outcome| &outcome.verdict), expected) {
+                (Some(Verdict::Reached(plan)), Some(steps)) => {
+                    assert!(holds(&plan.script, 0, least), "{what}: {:?}", plan.script);
+                    assert_eq!((plan.steps, plan.is_shortest), (steps, true), "{what}");
+                    visits[0] += 1;
+                }
+                (Some(Verdict::Exhausted(all) | Verdict::Unreachable(Argument::Exhaustion(all))), None) => {
+                    assert_eq!(all.min_hold, least, "{what}");
+                    visits[1] += 1;
+                }
+                (None | Some(Verdict::NotFound), _) => {}
+                other => panic!("{what}, all states: {other:?}"),
+            }
             for planner in [Planner::Exhaustive, Planner::BestFirst] {
                 let outcome = asked(&problem, planner, 1, 100_000);
                 match (&outcome.verdict, expected) {
@@ -147,6 +162,7 @@ fn exhaustion_agrees_with_a_search_step_by_step() {
         }
     }
     assert!(found > 100 && proven > 60, "{found} {proven}");
+    assert!(visits[0] > 50 && visits[1] > 30, "{visits:?}");
 }
 
 /// Whether each input except the last is held for a number of steps.

@@ -121,9 +121,10 @@ fn pages_that_cannot_be_are_refused_before_any_work() {
         assert!(error.contains("`README.md` is no module of WebAssembly"), "{error}");
     }
     let level = "tests/maps/mario-1-1.txt";
-    let many = ["reach", "tests/maps/smb.hyped", "--map", level, level, "--html", page];
+    let many =
+        ["reach", "tests/maps/open.hyped", "--map", level, "tests/maps", "--html", page, "--engine", "README.md"];
     let (code, _, error) = run(&many);
-    assert!(code == 2 && error.contains("a page about one level"), "{error}");
+    assert!(code == 2 && error.contains("`--engine` is for the page about one level"), "{error}");
     // The page carries the text as it is written.
     for setting in ["lift=90", "lift=90..120/10"] {
         let setting = format!("Balloon.{setting}");

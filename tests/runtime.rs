@@ -1,6 +1,7 @@
 //! The behaviour of a compiled program: steps, states, traces, pictures, memory.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "a minimum in a test is of numbers other than -0")]
 
 mod support;
 

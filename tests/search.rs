@@ -1,6 +1,7 @@
 //! Questions and answers: planners, verdicts, many levels, experiments, the command line.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::disallowed_methods, reason = "a minimum in a test is of numbers other than -0")]
 
 mod support;
 
@@ -11,6 +12,7 @@ mod chance;
 mod cli;
 mod corpus;
 mod diff;
+mod exhaustion;
 mod experiment;
 mod figures;
 mod guard;

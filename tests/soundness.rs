@@ -24,6 +24,7 @@ mod flows;
 mod frame;
 mod generate;
 mod hunt;
+mod independent;
 mod look;
 mod mutants;
 #[path = "mutation/mutate.rs"]
@@ -99,6 +100,17 @@ fn nothing_that_is_claimed_of_all_values_of_a_parameter_is_false() {
     assert!(reports.is_empty(), "{}", reports.join("\n\n"));
     let enough = worlds > 150 && is_read > 100 && ruled_out > 50 && states > 20_000 && bites > 10;
     assert!(enough, "{worlds} {is_read} {ruled_out} {states} {bites}");
+}
+
+/// Leaving out who cannot help loses no way.
+#[test]
+fn what_is_proven_without_others_is_never_reached() {
+    let mut seen = independent::Seen::default();
+    seeds(600, 60_000).for_each(|seed| independent::look(seed, &mut seen));
+    let independent::Seen { worlds, proven, proven_without, reached, reports } = seen;
+    println!("{worlds} worlds, {proven} proofs, {proven_without} of them without others, {reached} ways");
+    assert!(reports.is_empty(), "{}", reports.join("\n\n"));
+    assert!(proven > 25 && proven_without > 15 && reached > 12, "{proven} {proven_without} {reached}");
 }
 
 /// These programs once had a false verdict.

@@ -34,7 +34,23 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("corpus", &["tabular", "json", "reach"]),
     ("tune", &["source", "watch", "json", "diagnostic", "ir", "analysis", "compile", "sim", "reach"]),
     ("suite", &["source", "watch", "syntax", "ir", "compile", "sim", "reach", "corpus", "why"]),
-    ("ask", &["source", "watch", "json", "diagnostic", "ir", "analysis", "compile", "sim", "reach", "corpus", "why"]),
+    (
+        "ask",
+        &[
+            "source",
+            "watch",
+            "json",
+            "diagnostic",
+            "ir",
+            "analysis",
+            "compile",
+            "sim",
+            "reach",
+            "corpus",
+            "why",
+            "view",
+        ],
+    ),
     ("diff", &["source", "watch", "diagnostic", "syntax", "ir", "analysis", "sim", "reach", "why"]),
     (
         "studio",
@@ -74,6 +90,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "suite",
             "ask",
             "studio",
+            "view",
         ],
     ),
     (

@@ -106,6 +106,7 @@
     (inner ":[ \t]*[^:;\n]*[\"[:word:]][ \t]+\\(slope\\)[ \t]*(")
     (inner ":[ \t]*[^:;\n]*[\")[:word:]][ \t]+\\(breakable\\)\\_>\\(?:[ \t]+\\(restore\\)[ \t]+\\(after\\)\\_>\\)?")
     (space start "\\(place\\)[ \t]+" name "[ \t]*:[ \t]*" name "[ \t]+\\(at\\)\\_>")
+    (space ",[ \t]*\\(above\\)\\(?:[ \t]*\"\\|[ \t]+" name "\\)")
     (space start "\\(link\\|bounds\\)[ \t]+\\(rect\\)\\_>")
     (world start "\\(test\\)[ \t]*\"")
     (claims start "\\(inputs\\)\\(?:[ \t]+\\(from\\)\\)?[ \t]*\"")

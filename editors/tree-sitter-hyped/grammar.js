@@ -276,7 +276,9 @@ module.exports = grammar({
     map_text: $ => seq(alias($.map_start, '"'), repeat($.map_row), '"'),
     place: $ => $._placed,
     _place_with_settings: $ => seq($._placed, field('body', $.settings)),
-    _placed: $ => seq('place', field('name', $.identifier), ':', field('entity', $.identifier), 'at', $.point),
+    _placed: $ => seq('place', field('name', $.identifier), ':', field('entity', $.identifier), 'at', alias($._position, $.point)),
+    _position: $ => seq('(', $.expression, ',', choice($.standing, $.expression), ')'),
+    standing: $ => seq('above', field('tag', $.tag)),
     point: $ => seq('(', $.expression, ',', $.expression, ')'),
     settings: $ => block($, [], [$.setting]),
     setting: $ => seq(field('variable', $.variable), '=', field('value', $.expression)),
@@ -341,7 +343,7 @@ module.exports = grammar({
 
     identifier: _ => /[\p{XID_Start}_]\p{XID_Continue}*/u,
     path: $ => seq(
-      choice($.identifier, alias(choice('any', 'all', 'nearest'), $.identifier)),
+      choice($.identifier, alias(choice('any', 'all', 'nearest', 'above'), $.identifier)),
       repeat(seq(token.immediate('.'), $.identifier)),
       optional($.primes),
     ),

@@ -1,6 +1,6 @@
 //! Why a predicate of a world holds in no state: the parts of it that decide this, with the values that they read.
 
-use crate::ir::{DiscreteId, Entity, Expr, ExprId, Program, SlotId, Subject, TimerId, VarId, World, WorldId};
+use crate::ir::{DiscreteId, Entity, Expr, ExprId, Extremes, Program, SlotId, Subject, TimerId, VarId, World, WorldId};
 use crate::source::{SourceMap, code_on_one_line};
 
 use super::wording::relation;
@@ -158,7 +158,7 @@ fn joined(mut all: Vec<Interval>) -> Vec<Interval> {
     for next in all {
         match out.last_mut() {
             Some(last) if next.low <= last.high + 1.0 && !(last.is_point() && next.is_point()) => {
-                last.high = last.high.max(next.high)
+                last.high = last.high.greatest(next.high)
             }
             _ => out.push(next),
         }

@@ -4,7 +4,7 @@
 //! (`surroundings`). Each push can take it over a known distance; it has to travel the rest by itself. Nothing is known
 //! if anything can move it elsewhere: an update of the position, a link, a carrier, a spawn.
 
-use crate::ir::{Entity, ExprId, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
+use crate::ir::{Entity, ExprId, Extremes, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
 
 use crate::analysis::ConfigurationSpace;
 use crate::analysis::domain::values::Interval;
@@ -85,7 +85,7 @@ fn travel_end(mut push_reach: Vec<Interval>, from: f64, mut own: f64) -> f64 {
         if over.high <= at {
             continue;
         }
-        let gap = (over.low - at).max(0.0);
+        let gap = (over.low - at).greatest(0.0);
         if gap > own {
             break;
         }

@@ -7,16 +7,20 @@
 //! | `world` | worlds by name |
 //! | `run` | runs of inputs, and what happens in them |
 //! | `reach` | questions about what is reached, and their answers |
+//! | `without` | what paths are to be without: a predicate, or a button |
 //! | `refuted` | a run that refutes the analysis |
 //! | `why` | questions about a step, and their answers |
+//! | `picture` | pictures of answers and of runs |
 //! | `hash` | hashes of programs |
 
 mod hash;
+mod picture;
 mod reach;
 mod refusal;
 mod refuted;
 mod run;
 mod why;
+mod without;
 mod world;
 
 use std::sync::Arc;
@@ -25,11 +29,13 @@ use crate::ir::Program;
 use crate::source::SourceMap;
 
 pub use hash::{program_sha256, sha256};
+pub use picture::{Drawing, RunOutcome, nearest, nodes, plan, recorded, run_svg, search_svg};
 pub use reach::{GoalResult, RunResult, WITHOUT, no_goal, read_scripts, targets, unknown};
 pub use refusal::Refusal;
 pub use refuted::{BeyondResult, Refuted};
 pub use run::{Observed, OnState, RunEnd, SimResult, drive};
 pub use why::{Asked, WhyQuestion, WhyResult, answer_why};
+pub use without::Without;
 pub use world::{find_world, open_world};
 #[cfg(feature = "testing")]
 pub use {reach::reach_schema, run::sim_schema, why::why_schema};

@@ -12,6 +12,7 @@ use crate::import::{Import, xml, zelda};
 use crate::source::{FileId, Files, SourceMap};
 
 use super::Exit;
+use super::args::output::is_standard;
 use super::args::{FindingFormat, ImportCommand, ImportInto};
 use super::disk::{Disk, replace};
 use super::report::{colored, plain_error};
@@ -47,6 +48,7 @@ fn import(
     into: &ImportInto,
     mut read: impl FnMut(&Path, FileId, &str, bool) -> Import,
 ) -> io::Result<Exit> {
+    let folder = into.output.as_deref().filter(|path| !is_standard(path));
     let mut answer = Exit::Yes;
     let mut texts: Vec<String> = Vec::new();
     let mut imported: Vec<Imported<'_>> = Vec::new();
@@ -55,7 +57,7 @@ fn import(
         let Import { text, diagnostics } = match Disk.read(path) {
             Ok(text) => {
                 let file = sources.add(path, text);
-                read(path, file, sources.file(file).text(), into.output.is_none())
+                read(path, file, sources.file(file).text(), folder.is_none())
             }
             Err(error) => {
                 answer = Exit::Refused;
@@ -67,7 +69,7 @@ fn import(
         if diagnostics.has_errors() {
             answer = answer.max(Exit::No);
         }
-        if let Some((text, folder)) = text.as_ref().zip(into.output.as_ref()) {
+        if let Some((text, folder)) = text.as_ref().zip(folder) {
             let target = folder.join(program_name(path));
             if let Err(why) = write(folder, &target, text, into.force) {
                 plain_error(&format!("cannot write `{}`: {why}", target.display()))?;

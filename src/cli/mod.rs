@@ -41,7 +41,6 @@ mod time;
 mod tune;
 mod watches;
 mod why;
-mod without;
 
 use std::io;
 use std::process::ExitCode;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 mod page;
 
-use crate::ask::Observed;
+use crate::ask::{Observed, RunOutcome, run_svg};
 use crate::compile::{Asked, Changes, ExtraQuestion, LevelFile, compile_changed, question_name};
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
@@ -23,10 +23,11 @@ pub(super) use crate::ask::{RunEnd, drive};
 
 use super::Exit;
 use super::animation;
+use super::args::output::is_standard;
 use super::args::{ResultFormat, ScriptArgs, SimArgs, TraceFormatName};
 use super::disk::Disk;
 use super::page::carried;
-use super::pictures::{self, Outcome, marks, run_svg};
+use super::pictures;
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load_changed, plain_error, program_sha256, show, show_fact};
 use super::sim_sweep;
@@ -116,7 +117,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     if let Some(trace) = trace {
         trace.finish()?;
     }
-    let to_stdout = args.trace.as_ref().is_some_and(|p| p.as_os_str() == "-");
+    let to_stdout = args.trace.as_deref().is_some_and(is_standard);
     let text = report.text(&file.display().to_string());
     if args.format == ResultFormat::Json {
         let inputs = script.text(&loaded.program, world);
@@ -132,7 +133,7 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     unmet.iter().try_for_each(|why| plain_error(why))?;
     if let Some(recorder) = recorder {
         let inputs = script.text(&loaded.program, world);
-        let outcome = report.outcome(&inputs, &ended, unmet.is_empty());
+        let outcome = RunOutcome::new(&report, &inputs, &ended, unmet.is_empty());
         let run = recorder.finish(&report.last, outcome.marks.clone());
         let picture = run_svg((&loaded.program, world), &run, &outcome, &images);
         if let Some(path) = &args.svg
@@ -192,7 +193,7 @@ fn trace_writer<'s>(
     sim: &'s Simulator,
     header: &TraceHeader,
 ) -> io::Result<Option<Trace<'s>>> {
-    let to: Box<dyn Write> = match path.as_os_str() == "-" {
+    let to: Box<dyn Write> = match is_standard(path) {
         true => Box::new(io::stdout()),
         false => match File::create(path) {
             Ok(file) => Box::new(file),
@@ -346,24 +347,6 @@ pub(super) fn script_of(
 }
 
 impl Observed<'_> {
-    /// What a picture says about the run.
-    fn outcome<'o>(&self, script: &'o str, ended: &RunEnd, is_as_expected: bool) -> Outcome<'o> {
-        let end = match ended {
-            RunEnd::LeftBounds => Some("a player has left the bounds, which ends the run"),
-            RunEnd::Fault(..) => Some("a run-time error ended the run"),
-            RunEnd::Stopped(_) => Some("stopped before the last step"),
-            RunEnd::Done | RunEnd::Enough => None,
-        };
-        let is_whole = !matches!(ended, RunEnd::Fault(..) | RunEnd::Stopped(_));
-        Outcome {
-            steps: self.steps,
-            marks: marks(self.sim, &self.goals, &self.nevers),
-            is_good: is_as_expected && is_whole && !self.violated(),
-            end: end.map(str::to_string),
-            script,
-        }
-    }
-
     fn text(&self, file: &str) -> String {
         let (program, world): (&Program, _) = (self.sim.program(), self.sim.world());
         let seconds = world.step.seconds() * self.steps as f64;

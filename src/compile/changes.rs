@@ -6,10 +6,9 @@ use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Diagnostics, similar};
 use crate::ir::{NeverId, Program, WorldId};
 use crate::source::{Files, SourceMap, Span, on_one_line};
-use crate::syntax;
-use crate::syntax::Number;
 use crate::syntax::ast::{self, Name, Question};
 use crate::syntax::occurrence::Occurrences;
+use crate::syntax::{self, Number, Unshared};
 
 /// Maximum number of names that a finding lists.
 const MAX_LISTED: usize = 20;
@@ -163,7 +162,7 @@ pub struct WrittenNumber {
 /// That there is none.
 pub fn written_number(root: &Path, files: &dyn Files, path: &str) -> Result<WrittenNumber, NoQuestion> {
     let mut sources = SourceMap::new();
-    let (mut trees, _) = syntax::load(root, files, &mut sources);
+    let (mut trees, _) = syntax::load(root, (files, &Unshared), &mut sources);
     // What is wrong with behaviours is a finding of the program.
     let _ = syntax::expand(&mut trees, &mut sources, &mut Occurrences::default());
     let known: Vec<Number> = trees.iter().flat_map(syntax::numbers).collect();

@@ -86,6 +86,7 @@ codes! {
     BadSlope Error "E0509" "a slope does not fit its tile"
     BadLook Error "E0510" "a look is no colour and no picture"
     BadTest Error "E0511" "a test cannot be run"
+    NoPlaceAbove Error "E0512" "there is no place above a tag"
 
     BadInput Error "E0601" "an input script cannot be read"
     NoQuestion Error "E0602" "there is nothing to run or to ask"

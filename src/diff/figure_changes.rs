@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::figures::{Figures, Jump, Press, Speed};
+use crate::ir::Extremes;
 
 /// The share of a figure by which it may differ: noise of rounding.
 const NOISE: f64 = 1e-9;
@@ -97,5 +98,5 @@ fn is_other_jump(a: &Jump, b: &Jump) -> bool {
 }
 
 fn is_other(a: f64, b: f64) -> bool {
-    (a - b).abs() > NOISE * (1.0 + a.abs().max(b.abs()))
+    (a - b).abs() > NOISE * (1.0 + a.abs().greatest(b.abs()))
 }

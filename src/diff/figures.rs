@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::ir::{AxisId, ButtonId, Id, ModeId, PlayerId, Program, SlotId, World, WorldId};
+use crate::ir::{AxisId, ButtonId, Extremes, Id, ModeId, PlayerId, Program, SlotId, World, WorldId};
 use crate::sim::{Input, PlayerInput, Script, State};
 use crate::watch::Meter;
 
@@ -212,7 +212,7 @@ impl<'f> Gauge<'f> {
         for mode in player.modes() {
             let known = self.speeds.entry(mode).or_insert([0.0; 3]);
             for (known, now) in known.iter_mut().zip([x.abs(), y, -y]) {
-                *known = known.max(now);
+                *known = known.greatest(now);
             }
         }
         Ok(true)
@@ -323,7 +323,7 @@ impl<'f> Gauge<'f> {
                 return Ok(None);
             }
             let (x, y) = self.flat.sim.position(&state, self.slot());
-            rise = rise.max(y - ground);
+            rise = rise.greatest(y - ground);
             let is_up = y > ground + NOISE;
             let since = match taken_off {
                 None if is_up => {

@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use crate::source::{Files, SourceMap, Span, code_on_one_line};
-use crate::syntax;
 use crate::syntax::ast::{
     Assignment, Constant, Domain, Edge, Entity, File, Initial, Item, Map, MapSource, Member, Mode, Name, Place, Space,
     SpaceItem, Tile, Tiles, Update, World, WorldItem, Wrap,
 };
+use crate::syntax::{self, Unshared};
 
 /// A named part of a program.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +43,7 @@ impl Part {
 /// such parts.
 pub fn outline(root: &Path, files: &dyn Files) -> Vec<Part> {
     let mut sources = SourceMap::new();
-    let (trees, _) = syntax::load(root, files, &mut sources);
+    let (trees, _) = syntax::load(root, (files, &Unshared), &mut sources);
     let reader = Reader { sources: &sources };
     trees.iter().flat_map(|tree| reader.file(tree)).collect()
 }

@@ -7,6 +7,7 @@
 use super::Chart;
 use super::chart::{Initial, Mode};
 use super::excerpt::{short, wrapped};
+use crate::ir::Extremes;
 
 /// Assumed width of a character, slightly more than in common fonts.
 pub(super) const LETTER: f64 = 7.3;
@@ -135,7 +136,7 @@ pub(super) fn layout(chart: &Chart) -> Layout {
     let title = LINE + PAD;
     let (mut x, mut y, mut row, mut right) = (PAD, title + PAD, 0.0f64, letters(&chart.entity) + 2.0 * PAD);
     for region in &chart.regions {
-        let inside = region.modes.iter().map(|m| width(chart, &out, *m)).fold(0.0, f64::max);
+        let inside = region.modes.iter().map(|m| width(chart, &out, *m)).fold(0.0, f64::greatest);
         let routes = routes(chart, region.modes.iter().copied());
         let name = region.name.as_ref().map_or(0.0, |name| letters(name) + 2.0 * PAD);
         // Tracks are assigned when the lines have their places; there are at most as many as targets.
@@ -148,22 +149,22 @@ pub(super) fn layout(chart: &Chart) -> Layout {
             bottom = place(chart, &mut out, mode, (x + MARKER, bottom), inside) + GAP;
         }
         let tracks = assign_tracks(&mut out, routes, x + MARKER + inside);
-        let rect = Rect { x, y, width: (MARKER + inside + beside(tracks)).max(name), height: bottom - y };
-        row = row.max(rect.height);
-        right = right.max(rect.right() + PAD);
+        let rect = Rect { x, y, width: (MARKER + inside + beside(tracks)).greatest(name), height: bottom - y };
+        row = row.greatest(rect.height);
+        right = right.greatest(rect.right() + PAD);
         x = rect.right() + GAP;
         out.groups.push(rect);
     }
     if chart.regions.is_empty() {
         row = LINE;
-        right = right.max(letters(NONE) + 2.0 * PAD);
+        right = right.greatest(letters(NONE) + 2.0 * PAD);
     }
     out.rect = Rect { x: 0.0, y: 0.0, width: right, height: y + row + PAD };
     // Groups in one row have the same height.
     let rows: Vec<Rect> = out.groups.clone();
     for group in &mut out.groups {
         let beside = rows.iter().filter(|other| other.y == group.y);
-        group.height = beside.map(|other| other.height).fold(group.height, f64::max);
+        group.height = beside.map(|other| other.height).fold(group.height, f64::greatest);
     }
     out
 }
@@ -219,9 +220,9 @@ fn width(chart: &Chart, out: &Layout, mode: usize) -> f64 {
         LineKind::Guard(_) | LineKind::GuardContinued | LineKind::Update => letters(&line.text) + NUMBER,
         LineKind::Target(_) => letters(&line.text) + NUMBER + LINE,
     };
-    let own = out.boxes[mode].lines.iter().map(line).fold(0.0, f64::max) + 2.0 * PAD;
+    let own = out.boxes[mode].lines.iter().map(line).fold(0.0, f64::greatest) + 2.0 * PAD;
     let children = chart.modes[mode].children.iter().map(|child| width(chart, out, *child) + MARKER + PAD);
-    children.fold(own, f64::max)
+    children.fold(own, f64::greatest)
 }
 
 /// Sets the place of a mode and its inner modes; returns its bottom.
@@ -261,7 +262,7 @@ fn routes(chart: &Chart, modes: impl Iterator<Item = usize>) -> Vec<Route> {
 fn assign_tracks(out: &mut Layout, routes: Vec<Route>, left: f64) -> usize {
     let reach = |route: &Route| {
         let ends = route.edges.iter().map(|edge| out.start(*edge).1).chain([out.title(route.target)]);
-        ends.fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(y), high.max(y)))
+        ends.fold((f64::MAX, f64::MIN), |(low, high), y| (low.least(y), high.greatest(y)))
     };
     let mut routes: Vec<((f64, f64), Route)> = routes.into_iter().map(|route| (reach(&route), route)).collect();
     routes.sort_by(|((a, b), _), ((c, d), _)| (b - a).total_cmp(&(d - c)));

@@ -2,6 +2,7 @@
 
 use super::chart::{Chart, Edge};
 use super::layout::{INDENT, LINE, Layout, LineKind, NONE, NUMBER, PAD, Rect, Route, layout, letters};
+use crate::ir::Extremes;
 
 const MARGIN: f64 = 12.0;
 /// The radius of a corner.
@@ -24,7 +25,7 @@ pub fn svg(charts: &[Chart]) -> String {
     let (mut width, mut y) = (0.0f64, MARGIN);
     for chart in charts {
         let layout = layout(chart);
-        width = width.max(layout.rect.width + 2.0 * MARGIN);
+        width = width.greatest(layout.rect.width + 2.0 * MARGIN);
         body.push_str(&format!("<g transform=\"translate({MARGIN} {y})\">\n"));
         Drawing { chart, layout: &layout, out: &mut body }.chart();
         body.push_str("</g>\n");

@@ -40,29 +40,43 @@ fn modulo(a: f64, b: f64) -> f64 {
     if wrapped == b { 0.0 } else { wrapped }
 }
 
-/// The minimum. Of 0 and -0 it is the first one, where `f64::min` leaves the choice to the machine: `atan2` tells them
-/// apart.
-#[inline]
-fn least(a: f64, b: f64) -> f64 {
-    if b < a || a.is_nan() { b } else { a }
+/// The smaller and the larger of two numbers, chosen by comparison: of 0 and -0 the first one, where `f64::min` leaves
+/// the choice to the machine and `atan2` tells them apart. A number comes before what is none.
+pub trait Extremes: Copy {
+    /// The minimum.
+    fn least(self, other: Self) -> Self;
+    /// The maximum.
+    fn greatest(self, other: Self) -> Self;
 }
 
-/// The maximum; of 0 and -0 the first one.
-#[inline]
-fn greatest(a: f64, b: f64) -> f64 {
-    if b > a || a.is_nan() { b } else { a }
+macro_rules! extremes {
+    ($($float:ty),*) => {$(
+        impl Extremes for $float {
+            #[inline]
+            fn least(self, other: Self) -> Self {
+                if other < self || self.is_nan() { other } else { self }
+            }
+
+            #[inline]
+            fn greatest(self, other: Self) -> Self {
+                if other > self || self.is_nan() { other } else { self }
+            }
+        }
+    )*};
 }
+
+extremes!(f64, f32);
 
 /// A function of up to three numbers, `if` excepted.
 pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
     match function {
-        Function::Min => least(a, b),
-        Function::Max => greatest(a, b),
+        Function::Min => a.least(b),
+        Function::Max => a.greatest(b),
         Function::Abs => a.abs(),
         Function::Sign if a == 0.0 => 0.0,
         Function::Sign => a.signum(),
         // The upper bound wins where the bounds are crossed, as in min(max(x, low), high).
-        Function::Clamp => least(greatest(a, b), c),
+        Function::Clamp => a.greatest(b).least(c),
         Function::Floor => a.floor(),
         Function::Ceil => a.ceil(),
         Function::Round => a.round(),
@@ -79,5 +93,25 @@ pub fn call(function: Function, [a, b, c]: [f64; 3]) -> f64 {
                 c
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_zeros_the_first_one_is_both_extremes() {
+        let bits = |pair: [f64; 2]| pair.map(f64::to_bits);
+        for (a, b) in [(0.0, -0.0), (-0.0, 0.0)] {
+            assert_eq!(bits([a.least(b), a.greatest(b)]), bits([a, a]));
+            assert_eq!(bits([Function::Min, Function::Max].map(|f| call(f, [a, b, 0.0]))), bits([a, a]));
+        }
+        assert_eq!([1.0.least(2.0), 2.0.least(1.0), 1.0.greatest(2.0), 2.0.greatest(1.0)], [1.0, 1.0, 2.0, 2.0]);
+        assert_eq!(
+            [f64::NAN.least(1.0), 1.0.least(f64::NAN), f64::NAN.greatest(1.0), 1.0.greatest(f64::NAN)],
+            [1.0; 4]
+        );
+        assert_eq!([f32::NAN.least(1.0), (-1.0f32).greatest(1.0)], [1.0; 2]);
     }
 }

@@ -1,6 +1,6 @@
 //! Traversal of expressions: those that an entity reads at run time, and the operands of an expression.
 
-use super::{Actions, Drive, Entity, Expr, ExprId, Id, Program, Release};
+use super::{Actions, Drive, Entity, Expr, ExprId, Extremes, Id, Program, Release};
 use crate::ir::{EntityId, IdVec, ParamId, Step, Subject, TagSet, Timer, TimerId, arithmetic, call, compare};
 
 impl Entity {
@@ -130,7 +130,7 @@ impl Program {
             let mut greatest = 0.0f64;
             for &id in thresholds {
                 match self.constant(id, params, step) {
-                    Some(value) => greatest = greatest.max(value),
+                    Some(value) => greatest = greatest.greatest(value),
                     None => return u32::MAX,
                 }
             }

@@ -34,7 +34,7 @@ mod world_tables;
 
 pub use actions::{Actions, RefUpdate, RefValue, Send, Signal, Spawn, Sum, Update};
 pub use arena::Arena;
-pub use arithmetic::{arithmetic, call, compare};
+pub use arithmetic::{Extremes, arithmetic, call, compare};
 pub use breakable::{Breakable, BreakableKind, BreakableTiles};
 pub use ids::{
     AxisId, ButtonId, ChanceId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId,

@@ -1,5 +1,7 @@
 //! Tiles that are solid up to a line only: slopes, and slabs whose line is level.
 
+use super::Extremes;
+
 use serde::{Deserialize, Serialize};
 
 /// The line from the left to the right side of a tile below which the tile is solid.
@@ -38,6 +40,6 @@ impl Slope {
 
     /// The heights of its lower and of its higher end, px.
     pub fn ends(self) -> (f64, f64) {
-        (self.left.min(self.right), self.left.max(self.right))
+        (self.left.least(self.right), self.left.greatest(self.right))
     }
 }

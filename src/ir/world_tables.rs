@@ -6,8 +6,8 @@ use crate::ir::TileMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    DiscreteId, EntityId, ExprId, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, Program, Push,
-    RefId, Response, SlotId, SpaceId, TagId, TagSet, TimerId, VarId,
+    DiscreteId, EntityId, ExprId, Extremes, GoalId, IdVec, Layout, NeverId, Origin, ParamId, Period, PlayerId, Program,
+    Push, RefId, Response, SlotId, SpaceId, TagId, TagSet, TimerId, VarId,
 };
 
 /// A world, ready to run.
@@ -171,10 +171,10 @@ impl Bounds {
     #[must_use]
     pub fn join(self, other: Bounds) -> Self {
         Bounds {
-            left: self.left.min(other.left),
-            right: self.right.max(other.right),
-            bottom: self.bottom.min(other.bottom),
-            top: self.top.max(other.top),
+            left: self.left.least(other.left),
+            right: self.right.greatest(other.right),
+            bottom: self.bottom.least(other.bottom),
+            top: self.top.greatest(other.top),
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::lint::BeyondBounds;
-use crate::ir::{CompareOp, EntityId, IdVec, Origin, ParamId, SlotId, Subject};
+use crate::ir::{CompareOp, EntityId, Extremes, IdVec, Origin, ParamId, SlotId, Subject};
 use crate::sema::checked::{Checked, Entity, Space, Term, TermKind, World};
 use crate::sema::{ConstantContext, evaluate};
 
@@ -26,9 +26,9 @@ impl Area {
 
     fn join(self, other: Area) -> Self {
         Area {
-            left: self.left.min(other.left),
-            right: self.right.max(other.right),
-            bottom: self.bottom.min(other.bottom),
+            left: self.left.least(other.left),
+            right: self.right.greatest(other.right),
+            bottom: self.bottom.least(other.bottom),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Intervals of the values of a term, from the text alone: literals, the ranges of discrete variables, clocks that
 //! never run backwards, axes, and the guard's comparisons.
 
-use crate::ir::{Arithmetic, CompareOp, Function, Subject};
+use crate::ir::{Arithmetic, CompareOp, Extremes, Function, Subject};
 
 use crate::sema::checked::{Entity, Term, TermKind, Type};
 
@@ -61,7 +61,7 @@ impl Range {
     }
 
     fn or(self, other: Range) -> Self {
-        Range::closed(self.low.min(other.low), self.high.max(other.high))
+        Range::closed(self.low.least(other.low), self.high.greatest(other.high))
     }
 
     pub fn is_empty(self) -> bool {
@@ -93,7 +93,8 @@ impl Range {
         if values.iter().any(|v| v.is_nan()) {
             return Range::ALL;
         }
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.least(v), h.greatest(v)));
         Range::closed(low, high)
     }
 }
@@ -156,13 +157,13 @@ fn is_whole(ty: &Type) -> bool {
 fn called(entity: &Entity, function: Function, arguments: &[Term], facts: &[Fact<'_>]) -> Range {
     let of = |index: usize| arguments.get(index).map_or(Range::ALL, |a| range(entity, a, facts));
     let (a, b, c) = (of(0), of(1), of(2));
-    let least = |a: Range, b: Range| Range::closed(a.low.min(b.low), a.high.min(b.high));
-    let greatest = |a: Range, b: Range| Range::closed(a.low.max(b.low), a.high.max(b.high));
+    let least = |a: Range, b: Range| Range::closed(a.low.least(b.low), a.high.least(b.high));
+    let greatest = |a: Range, b: Range| Range::closed(a.low.greatest(b.low), a.high.greatest(b.high));
     match function {
         Function::Min => least(a, b),
         Function::Max => greatest(a, b),
         Function::Clamp => least(greatest(a, b), c),
-        Function::Abs if a.low <= 0.0 && a.high >= 0.0 => Range::closed(0.0, a.high.max(-a.low)),
+        Function::Abs if a.low <= 0.0 && a.high >= 0.0 => Range::closed(0.0, a.high.greatest(-a.low)),
         Function::Abs => a.map(f64::abs),
         Function::Sign => a.map(|x| if x == 0.0 { 0.0 } else { x.signum() }),
         Function::Floor => a.map(f64::floor),

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::diagnostic::catalogue::lint::{Elsewhere, LinkNowhere, NoPlayer, PlacedInside, UncarriedTag, UnpairedTouch};
 use crate::diagnostic::catalogue::world::{UnknownLevelName, as_tag};
 use crate::diagnostic::{Diagnostics, similar};
-use crate::ir::{EntityId, MAX_TAGS, Origin, Push, Subject, TagId};
+use crate::ir::{EntityId, Extremes, MAX_TAGS, Origin, Push, Subject, TagId};
 use crate::sema::checked::{
     Checked, CollideRule, Entity, Instance, LevelName, Shape, Solid, Space, Term, TermKind, Touching, World,
 };
@@ -334,7 +334,7 @@ impl<'a> Walls<'a> {
         solids.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         let mut reach = f64::NEG_INFINITY;
         for (sides, _, up_to_here) in &mut solids {
-            reach = reach.max(sides[1]);
+            reach = reach.greatest(sides[1]);
             *up_to_here = reach;
         }
         Walls { space, solids }
@@ -411,8 +411,8 @@ fn deepest(walls: &Walls<'_>, sides: Sides, blocks: impl Fn(&[TagId]) -> bool) -
 
 /// The overlap of two boxes along their axis of least overlap, px; negative if they are apart.
 fn depth(a: Sides, b: Sides) -> f64 {
-    let along = |low: usize| a[low + 1].min(b[low + 1]) - a[low].max(b[low]);
-    along(0).min(along(2))
+    let along = |low: usize| a[low + 1].least(b[low + 1]) - a[low].greatest(b[low]);
+    along(0).least(along(2))
 }
 
 /// Reports links whose destination is outside of the contents of its space.
@@ -439,5 +439,5 @@ fn extent(space: &Space) -> Option<Sides> {
     let of = |&[x, y, width, height]: &[f64; 4]| [x, x + width, y, y + height];
     let solids = space.solids.iter().map(|s| of(&s.rect)).chain(space.bounds.as_ref().map(of));
     let all = map.into_iter().chain(solids);
-    all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1]), a[2].min(b[2]), a[3].max(b[3])])
+    all.reduce(|a, b| [a[0].least(b[0]), a[1].greatest(b[1]), a[2].least(b[2]), a[3].greatest(b[3])])
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::wrap::{LargeCollider, LinkBeyondSeam};
-use crate::ir::{Origin, Period};
+use crate::ir::{Extremes, Origin, Period};
 use crate::sema::checked::{Checked, Collider, Instance, Shape, Space, World};
 use crate::sema::{ConstantContext, evaluate};
 
@@ -50,7 +50,7 @@ fn reach(world: &World, instance: &Instance, collider: &Collider, axis: usize) -
             (middle - radius, middle + radius)
         }
     };
-    Some(high.max(-low))
+    Some(high.greatest(-low))
 }
 
 /// Reports links that begin where no position is.

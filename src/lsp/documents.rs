@@ -42,7 +42,11 @@ impl Documents {
     /// Opens a document, or replaces it if it is already open.
     pub fn open(&mut self, path: PathBuf, uri: String, version: i32, text: String, language: &str) {
         let is_program = language == "hyped" || path.extension().is_some_and(|e| e == "hyped");
-        let document = Document { uri, version, is_program, text: Arc::new(Text::new(text)), edited: None };
+        let text = match self.open.get(&path) {
+            Some(document) => document.text.replaced(text),
+            None => Text::new(text),
+        };
+        let document = Document { uri, version, is_program, text: Arc::new(text), edited: None };
         Arc::make_mut(&mut self.open).insert(path, document);
     }
 

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use crate::compile::{Compilation, IdeCompilation, LevelFile, compile_for_ide, compile_with};
+use crate::diagnostic::Diagnostics;
 use crate::source::{FileId, Files, ReadError, Span, decode, normalize};
-use crate::syntax;
-use crate::syntax::ast::{Behavior, Item};
+use crate::syntax::ast::{self, Behavior, Item};
 use crate::syntax::occurrence::{NameKind, Occurrence};
+use crate::syntax::{self, Parsed, Trees, reparse};
 
 use crate::lsp::Workspace;
 use crate::lsp::documents::{Document, OpenDocuments};
@@ -22,6 +23,31 @@ struct Overlay<'a> {
     open: &'a OpenDocuments,
     disk: &'a dyn Workspace,
     requested: RefCell<BTreeSet<PathBuf>>,
+    /// The trees of the compilation before.
+    before: &'a [Arc<Parsed>],
+    trees: RefCell<Vec<Arc<Parsed>>>,
+}
+
+impl<'a> Overlay<'a> {
+    fn new(open: &'a OpenDocuments, disk: &'a dyn Workspace, before: &'a [Arc<Parsed>]) -> Self {
+        Overlay { open, disk, requested: RefCell::default(), before, trees: RefCell::default() }
+    }
+}
+
+impl Trees for Overlay<'_> {
+    fn parse(&self, path: &Path, id: FileId, text: &str) -> (ast::File, Diagnostics) {
+        let document = self.open.get(&normalize(path)).filter(|document| document.text.code() == text);
+        let parsed = match document {
+            Some(document) if id == FileId(0) => Arc::clone(document.text.parsed()),
+            _ => match self.before.iter().find(|parsed| parsed.file.id == id) {
+                Some(parsed) if parsed.source() == text => Arc::clone(parsed),
+                before => Arc::new(reparse(id, text, before.map(|before| &**before))),
+            },
+        };
+        let tree = (parsed.file.clone(), parsed.diagnostics.clone());
+        self.trees.borrow_mut().push(parsed);
+        tree
+    }
 }
 
 impl Files for Overlay<'_> {
@@ -58,6 +84,8 @@ pub(in crate::lsp) struct Snapshot {
     paths: Vec<PathBuf>,
     /// Texts of files that are not open, built on demand.
     texts: Vec<OnceLock<Arc<Text>>>,
+    /// The trees of its files, for the next compilation.
+    trees: Vec<Arc<Parsed>>,
 }
 
 /// The identity of a named symbol, equal in all programs that contain it.
@@ -70,11 +98,17 @@ pub(in crate::lsp) struct SymbolKey {
 }
 
 impl Snapshot {
-    /// Compiles a program; open documents take precedence over files on the disk.
-    pub fn compile(root: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace) -> Self {
-        let files = Overlay { open, disk, requested: RefCell::default() };
-        let ide = compile_for_ide(root, &files);
-        Snapshot::new(root, open, ide, files.requested.into_inner())
+    /// Compiles a program; open documents take precedence over files on the disk. What it was `before` saves time.
+    pub fn compile(root: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace, before: Option<&Snapshot>) -> Self {
+        let files = Overlay::new(open, disk, before.map_or(&[], |before| &before.trees));
+        let ide = compile_for_ide(root, &files, &files);
+        let Overlay { requested, trees, .. } = files;
+        let mut snapshot = Snapshot::new(root, open, ide, requested.into_inner());
+        // Programs that are not open change rarely, and there may be many.
+        if open.contains_key(root) {
+            snapshot.trees = trees.into_inner();
+        }
+        snapshot
     }
 
     /// Compiles a program with a level for its open maps. Returns the files that it read, too.
@@ -83,7 +117,7 @@ impl Snapshot {
         level: LevelFile<'_>,
         (open, disk): (&OpenDocuments, &dyn Workspace),
     ) -> (Compilation, BTreeSet<PathBuf>) {
-        let files = Overlay { open, disk, requested: RefCell::default() };
+        let files = Overlay::new(open, disk, &[]);
         let compilation = compile_with(root, level, &files);
         (compilation, files.requested.into_inner())
     }
@@ -92,7 +126,15 @@ impl Snapshot {
     pub fn new(root: &Path, open: &Arc<OpenDocuments>, ide: IdeCompilation, dependencies: BTreeSet<PathBuf>) -> Self {
         let paths: Vec<PathBuf> = ide.compilation.sources.iter().map(|(_, file)| normalize(&file.path)).collect();
         let texts = paths.iter().map(|_| OnceLock::new()).collect();
-        Snapshot { root: root.to_path_buf(), ide, dependencies, open: Arc::clone(open), paths, texts }
+        Snapshot {
+            root: root.to_path_buf(),
+            ide,
+            dependencies,
+            open: Arc::clone(open),
+            paths,
+            texts,
+            trees: Vec::new(),
+        }
     }
 
     /// Whether the program has no error.

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 use crate::analysis::{Configuration, Interval, SlotSpace, Values};
-use crate::ir::{Bounds, Entity, GroupId, Id, LeafId, Program, SlotId, SpaceId, VarId, World};
+use crate::ir::{Bounds, Entity, Extremes, GroupId, Id, LeafId, Program, SlotId, SpaceId, VarId, World};
 
 use super::draw::{Combination, Draw, Leaf, SlotDraw};
 use super::metric::{Coordinate, Quantity, SlotPart};
@@ -160,15 +160,15 @@ fn finite(values: &Values, within: &Coordinate) -> Values {
     let width = within.high - within.low;
     let (least, most) = (within.low - width, within.high + width);
     let cut = |i: &Interval| {
-        let low = if i.low < least { within.low.min(i.high) } else { i.low };
-        let high = if i.high > most { within.high.max(i.low) } else { i.high };
-        Interval { low: low.min(high), high }
+        let low = if i.low < least { within.low.least(i.high) } else { i.low };
+        let high = if i.high > most { within.high.greatest(i.low) } else { i.high };
+        Interval { low: low.least(high), high }
     };
     Values::any(values.intervals().iter().map(cut))
 }
 
 fn positive(unit: f64) -> f64 {
-    if unit > 0.0 { unit.min(f64::MAX) } else { 1.0 }
+    if unit > 0.0 { unit.least(f64::MAX) } else { 1.0 }
 }
 
 /// Every variable of a slot with its derivatives, the discrete variables and the timers, each in a box.
@@ -203,8 +203,8 @@ fn boxes(world: &World, entity: &Entity, slot: SlotId, around: Bounds) -> Vec<Co
 pub(super) fn around(world: &World) -> Bounds {
     let along = |axis: u32| {
         let placed = || world.slots.iter().map(|s| s.vars[VarId(axis)][0]);
-        let low = placed().fold(f64::INFINITY, f64::min).min(0.0);
-        let high = placed().fold(f64::NEG_INFINITY, f64::max).max(0.0);
+        let low = placed().fold(f64::INFINITY, f64::least).least(0.0);
+        let high = placed().fold(f64::NEG_INFINITY, f64::greatest).greatest(0.0);
         (low - OPEN_MARGIN, high + OPEN_MARGIN)
     };
     let ((left, right), (bottom, top)) = (along(0), along(1));

@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{Bounds, Id, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId};
+use crate::ir::{Bounds, Extremes, Id, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId};
 use crate::watch::Meter;
 
 use super::around::images;
@@ -106,13 +106,13 @@ impl DistanceField {
             let places = field[space.index()][cell];
             if places == UNREACHABLE { 0.0 } else { f64::from(places.saturating_sub(1)) * steps }
         });
-        along.fold(0.0, f64::max) as u32
+        along.fold(0.0, f64::greatest) as u32
     }
 
     /// The place of a position.
     fn cell(&self, space: SpaceId, x: f64, y: f64) -> usize {
         let grid = &self.grids[space.index()];
-        let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).max(0.0) as usize).min(count - 1);
+        let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).greatest(0.0) as usize).min(count - 1);
         at(y, grid.bottom, grid.rows) * grid.columns + at(x, grid.left, grid.columns)
     }
 }
@@ -124,7 +124,7 @@ fn fastest(space: &ConfigurationSpace, player: SlotId, var: VarId) -> f64 {
         return f64::INFINITY;
     }
     let velocities = slot.configurations.iter().flat_map(|c| c.vars[var][1].intervals());
-    velocities.map(|v| v.low.abs().max(v.high.abs())).fold(0.0, f64::max)
+    velocities.map(|v| v.low.abs().greatest(v.high.abs())).fold(0.0, f64::greatest)
 }
 
 /// The cost of the cheapest path to the goal from each place, by a 0-1 breadth-first search. Incomplete if the meter
@@ -218,7 +218,7 @@ impl Grid {
             bottom: y.map_or(area.bottom, |y| y.low),
             top: y.map_or(area.top, |y| y.high),
         };
-        let count = |low: f64, high: f64| ((high - low) / PLACE).ceil().max(1.0);
+        let count = |low: f64, high: f64| ((high - low) / PLACE).ceil().greatest(1.0);
         let (columns, rows) = (count(area.left, area.right), count(area.bottom, area.top));
         if columns * rows > MAX_PLACES as f64 {
             return None;
@@ -253,10 +253,10 @@ impl Grid {
                 Some((tags, b)) => (
                     tags,
                     Bounds {
-                        left: b.left.max(extent.left),
-                        right: b.right.min(extent.right),
-                        bottom: b.bottom.max(extent.bottom),
-                        top: b.top.min(extent.top),
+                        left: b.left.greatest(extent.left),
+                        right: b.right.least(extent.right),
+                        bottom: b.bottom.greatest(extent.bottom),
+                        top: b.top.least(extent.top),
                     },
                 ),
             });

@@ -3,6 +3,7 @@
 use rand::{Rng, RngExt};
 
 use crate::analysis::Interval;
+use crate::ir::Extremes;
 
 use super::metric::{Coordinate, NO_LEAF, Point};
 
@@ -46,11 +47,11 @@ impl Draw {
     /// Uniform by length; uniform over numbers if they are whole.
     pub fn of(coordinate: &Coordinate, intervals: &[Interval], whole: bool) -> Self {
         let hull = intervals.iter().copied().reduce(Interval::or);
-        let least = hull.map_or(0.0, |h| (h.high - h.low).min(MAX_LENGTH)) * LEAST_SHARE;
+        let least = hull.map_or(0.0, |h| (h.high - h.low).least(MAX_LENGTH)) * LEAST_SHARE;
         let mut sum = 0.0;
         let part = |i: &Interval| {
-            let length = (i.high - i.low).min(MAX_LENGTH);
-            sum += if whole { length + 1.0 } else { length.max(least) };
+            let length = (i.high - i.low).least(MAX_LENGTH);
+            sum += if whole { length + 1.0 } else { length.greatest(least) };
             (sum as f32, coordinate.scaled(i.low), coordinate.scaled(i.high))
         };
         Draw { parts: intervals.iter().map(part).collect() }

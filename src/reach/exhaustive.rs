@@ -335,7 +335,7 @@ impl<'a> Exhaustive<'a> {
         }
         let states = if self.change.continues() { self.expanded.len() } else { self.context.tree.len() } as u64;
         match self.change {
-            Change::After(steps) => Ending::Exhausted(Exhaustion { states, min_hold: steps }),
+            Change::After(steps) => Ending::Exhausted(Exhaustion { states, min_hold: steps, left_out: 0 }),
             Change::Every(steps) => {
                 self.context.notes.exhausted = Some((steps, states));
                 Ending::Spent

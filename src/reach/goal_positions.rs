@@ -2,8 +2,8 @@
 //! (`distance.rs`) starts from them.
 
 use crate::ir::{
-    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Origin, SlotId, Space, SpaceId, Subject, TagSet, TouchId,
-    VarId,
+    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Extremes, Origin, SlotId, Space, SpaceId, Subject, TagSet,
+    TouchId, VarId,
 };
 
 use super::around::images;
@@ -30,7 +30,7 @@ impl PositionBox {
 
     /// How far a place is from it, along x and y, px; `None` in another space.
     pub fn away(&self, space: SpaceId, (x, y): (f64, f64)) -> Option<(f64, f64)> {
-        let apart = |at: f64, (low, high): (f64, f64)| (low - at).max(at - high).max(0.0);
+        let apart = |at: f64, (low, high): (f64, f64)| (low - at).greatest(at - high).greatest(0.0);
         self.space.is_none_or(|of| of == space).then(|| (apart(x, self.x), apart(y, self.y)))
     }
 
@@ -39,7 +39,7 @@ impl PositionBox {
             (Some(a), Some(b)) if a != b => return None,
             (a, b) => a.or(b),
         };
-        let both = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.min(b.1));
+        let both = |a: (f64, f64), b: (f64, f64)| (a.0.greatest(b.0), a.1.least(b.1));
         let place = PositionBox { space, x: both(self.x, other.x), y: both(self.y, other.y) };
         (place.x.0 <= place.x.1 && place.y.0 <= place.y.1).then_some(place)
     }
@@ -62,7 +62,7 @@ pub fn distance_to_goal(problem: &Problem<'_>, places: &[Visited]) -> Option<f64
         goal.away(place.space, (x, y)).map_or(f64::INFINITY, |(across, along)| across.hypot(along))
     };
     let all = places.iter().flat_map(|place| boxes.iter().map(move |goal| far(place, goal)));
-    all.reduce(f64::min)
+    all.reduce(f64::least)
 }
 
 /// The box of a collider of a slot relative to its position; `None` if it is not constant.
@@ -114,7 +114,7 @@ impl Finder<'_> {
                 Some(either)
             }
             Expr::Near { of, x, y, radius } if is_mine(of) => {
-                let (x, y, r) = (self.value(x)?, self.value(y)?, self.value(radius)?.max(0.0));
+                let (x, y, r) = (self.value(x)?, self.value(y)?, self.value(radius)?.greatest(0.0));
                 let around = PositionBox { space: None, x: (x - r, x + r), y: (y - r, y + r) };
                 Some(images(self.problem.sim.world(), around))
             }

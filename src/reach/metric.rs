@@ -5,7 +5,7 @@ use rand::Rng;
 
 use crate::analysis::ConfigurationSpace;
 pub use crate::analysis::Quantity;
-use crate::ir::{Bounds, GroupId, SlotId, Space, VarId, World};
+use crate::ir::{Bounds, Extremes, GroupId, SlotId, Space, VarId, World};
 use crate::sim::Simulator;
 
 use super::bounds::{self, Sampling};
@@ -229,7 +229,7 @@ impl Metric {
             let width = (c.high - c.low).clamp(f64::MIN_POSITIVE, f64::MAX);
             let (level, cells, counts) = match c.quantity {
                 Quantity::Var(slot, var, 0) if is_player(slot) && var.is_position() => {
-                    (1, (width / PLACE).max(1.0), false)
+                    (1, (width / PLACE).greatest(1.0), false)
                 }
                 Quantity::Discrete(..) => (2, width + 1.0, true),
                 Quantity::Var(slot, _, 0) if !is_player(slot) => (2, 8.0, false),

@@ -45,6 +45,20 @@ pub struct Exhaustion {
     pub states: u64,
     /// Minimum number of steps for which each input is held.
     pub min_hold: u16,
+    /// Number of instances that were left out, as they can act on the others only by contacts: these count as possible
+    /// wherever they can be.
+    pub left_out: u32,
+}
+
+/// An exhaustive search that did not visit all states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unfinished {
+    /// Number of distinct states that it visited.
+    pub states: u64,
+    /// Number of steps within which it visited all states.
+    pub steps: u32,
+    /// As in [`Exhaustion`].
+    pub left_out: u32,
 }
 
 /// A path to the target.
@@ -144,6 +158,8 @@ pub struct Outcome {
     /// If nothing was found: the finest completely tried class of inputs that change only every few steps, as the
     /// number of steps and the number of states. It says nothing about other inputs.
     pub exhausted: Option<(u16, u64)>,
+    /// How far an exhaustive search of all inputs got that began when nothing was found.
+    pub unfinished: Option<Unfinished>,
     /// Branches given up at search windows although the target may lie beyond; then a "no" cannot be proven.
     pub cuts: Vec<Cut>,
     /// The first counterexample found for each `never`.
@@ -225,6 +241,7 @@ impl Outcome {
             statistics: Statistics::default(),
             covered: Covered::default(),
             exhausted: None,
+            unfinished: None,
             cuts: Vec::new(),
             violations: Vec::new(),
             record: Vec::new(),

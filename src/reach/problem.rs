@@ -153,6 +153,13 @@ impl<'s> Problem<'s> {
         Problem { target, ..self }
     }
 
+    /// The same inputs and limits in a part of the world.
+    pub(super) fn in_part<'p>(&self, sim: &'p Simulator) -> Problem<'p> {
+        let Problem { within, min_hold, unpressed, .. } = self;
+        let part = Problem::asking(sim, self.target).holding(*min_hold).never_pressing(unpressed.clone());
+        Problem { within: *within, ..part }
+    }
+
     /// Excludes a predicate of the world on the path.
     #[must_use]
     pub fn without(mut self, predicate: ExprId) -> Self {

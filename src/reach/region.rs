@@ -3,7 +3,7 @@
 
 use rand::{Rng, RngExt};
 
-use crate::ir::{CompareOp, Entity, Expr, ExprId, SlotId, Subject, TagSet, TouchId, VarId};
+use crate::ir::{CompareOp, Entity, Expr, ExprId, Extremes, SlotId, Subject, TagSet, TouchId, VarId};
 
 use super::goal_positions::{extent, overlapping, static_boxes};
 use super::metric::{MODE_PENALTY, Metric, Point, Quantity};
@@ -38,13 +38,13 @@ impl GoalRegion {
     pub fn distance(&self, point: &Point) -> f32 {
         let to = |region: &Region| {
             let reals = region.reals.iter().map(|&(index, low, high)| {
-                let out = (low - point.reals[index]).max(point.reals[index] - high).max(0.0);
+                let out = (low - point.reals[index]).greatest(point.reals[index] - high).greatest(0.0);
                 out * out
             });
             let modes = region.modes.iter().map(|&(i, mode)| if point.modes[i] == mode { 0.0 } else { MODE_PENALTY });
             reals.chain(modes).sum::<f32>()
         };
-        self.boxes.iter().map(to).reduce(f32::min).unwrap_or(0.0)
+        self.boxes.iter().map(to).reduce(f32::least).unwrap_or(0.0)
     }
 
     /// Moves a sample into a random box, if there is one.
@@ -99,7 +99,7 @@ impl Finder<'_> {
                     return anything();
                 };
                 // The square inscribed in the circle.
-                let r = r.max(0.0) / std::f64::consts::SQRT_2;
+                let r = r.greatest(0.0) / std::f64::consts::SQRT_2;
                 vec![self.position_box(slot, (x - r, x + r), (y - r, y + r))]
             }
             Expr::Compare(op, a, b) => vec![self.comparison(op, a, b).unwrap_or_default()],
@@ -128,7 +128,11 @@ impl Finder<'_> {
     fn range(&self, quantity: Quantity, low: f64, high: f64) -> Option<(usize, f32, f32)> {
         let index = self.metric.coordinates().iter().position(|c| c.quantity == quantity)?;
         let c = &self.metric.coordinates()[index];
-        Some((index, c.scaled(low.max(c.low).min(c.high.max(low))), c.scaled(high.min(c.high).max(c.low.min(high)))))
+        Some((
+            index,
+            c.scaled(low.greatest(c.low).least(c.high.greatest(low))),
+            c.scaled(high.least(c.high).greatest(c.low.least(high))),
+        ))
     }
 
     fn position_box(&self, slot: SlotId, x: (f64, f64), y: (f64, f64)) -> Region {
@@ -153,8 +157,8 @@ impl Finder<'_> {
         let range = match op {
             CompareOp::Equal => self.range(quantity, value, value),
             CompareOp::Unequal => None,
-            _ if above => self.range(quantity, value, c.high.max(value)),
-            _ => self.range(quantity, c.low.min(value), value),
+            _ if above => self.range(quantity, value, c.high.greatest(value)),
+            _ => self.range(quantity, c.low.least(value), value),
         };
         Some(Region { reals: vec![range?], modes: Vec::new() })
     }

@@ -418,6 +418,7 @@ impl ParallelSearch<'_, '_> {
             statistics: notes.statistics,
             covered: notes.coverage.covered(),
             exhausted: notes.exhausted,
+            unfinished: None,
             cuts: notes.cuts,
             violations: notes.violations,
             record: notes.record,

@@ -6,8 +6,8 @@
 use std::collections::BTreeSet;
 
 use crate::ir::{
-    Arithmetic, Bounds, Drive, Entity, EntityId, Expr, ExprId, Id, IdVec, Origin, Place, Slot, SlotId, Space, SpaceId,
-    Subject, Update, VarId,
+    Arithmetic, Bounds, Drive, Entity, EntityId, Expr, ExprId, Extremes, Id, IdVec, Origin, Place, Slot, SlotId, Space,
+    SpaceId, Subject, Update, VarId,
 };
 
 use super::coverage::PLACE;
@@ -74,9 +74,9 @@ fn margin(problem: &Problem<'_>) -> f64 {
         let colliders = program.entities[world.slots[player].entity].colliders.iter();
         colliders.filter_map(move |collider| extent(problem, player, collider))
     });
-    let largest = bodies.map(|b| (b.right - b.left).max(b.top - b.bottom)).fold(0.0, f64::max);
-    let tiles = world.spaces.iter().filter_map(|space| space.map.as_ref()).map(|map| map.tile.0.max(map.tile.1));
-    tiles.fold(PLACE, f64::max).max(BODIES * largest)
+    let largest = bodies.map(|b| (b.right - b.left).greatest(b.top - b.bottom)).fold(0.0, f64::greatest);
+    let tiles = world.spaces.iter().filter_map(|space| space.map.as_ref()).map(|map| map.tile.0.greatest(map.tile.1));
+    tiles.fold(PLACE, f64::greatest).greatest(BODIES * largest)
 }
 
 /// The contents of all spaces of a world.
@@ -100,8 +100,8 @@ impl Contents {
     /// The hull of all contents, if any.
     fn hull(&self) -> Option<Bounds> {
         let hull = joined(self.start, self.held?)?;
-        let least = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::min);
-        let greatest = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::max);
+        let least = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::least);
+        let greatest = |axis: usize, than: f64| self.numbers[axis].iter().copied().fold(than, f64::greatest);
         Some(Bounds {
             left: least(0, hull.left),
             right: greatest(0, hull.right),

@@ -8,12 +8,13 @@ use crate::diagnostic::similar;
 use crate::ir::{Breakable, EntityId, Id, Origin, Slope, SlotId, SpaceId, TagId, TileKind, TileMap};
 use crate::level::{EditorLevel, Format, Meaning, Object, Value, read_level};
 use crate::source::{FileId, Span};
-use crate::syntax::ast::{self, Expr, ExprKind, Name};
+use crate::syntax::ast::{self, Expr, ExprKind, Name, PlaceHeight};
 
 use super::Checker;
 use super::checked::{Given, Instance, LevelName, Solid, World};
 use super::names::{Table, unknown};
 use super::population::Population;
+use super::room::Room;
 use super::slope::SlopeEnds;
 
 /// The kinds in a map's block, by name.
@@ -235,12 +236,12 @@ impl Checker<'_> {
                 name: name.clone(),
                 entity: self.checked.entities[entity].name.clone(),
                 x: number(object.position.0),
-                y: number(object.position.1),
+                y: PlaceHeight::At(number(object.position.1)),
                 settings,
                 span: object.at,
             };
             let slot = SlotId::from_index(population.instances.len());
-            match self.place(&place, id, population.step, slot, &mut population.references) {
+            match self.place(&place, id, population.step, slot, &mut population.references, &Room::UNKNOWN) {
                 Some(instance) => drop(self.populate(population, Instance { origin, ..instance })),
                 None => drop(self.poisoned_names.insert(name.text.to_string())),
             }

@@ -19,6 +19,7 @@ use super::foreign::suggestion;
 use super::members::touching;
 use super::mode::ModeNames;
 use super::names::{Candidate, unknown};
+use super::room::MapSize;
 
 /// The scope of an expression: it determines what it may read.
 #[derive(Clone, Copy)]
@@ -35,6 +36,8 @@ pub(super) struct Scope<'s> {
     pub covered: bool,
     /// The enclosing world.
     pub world: Option<&'s WorldNames>,
+    /// The spaces whose sizes it may read.
+    pub spaces: &'s [(Name, Option<MapSize>)],
     /// The limit on its reads.
     pub reads: ReadLimit,
 }
@@ -70,7 +73,7 @@ impl ReadLimit {
 #[derive(Debug, Default)]
 pub(super) struct WorldNames {
     pub instances: Vec<(Name, EntityId)>,
-    pub spaces: Vec<(Name, Option<(f64, f64)>)>,
+    pub spaces: Vec<(Name, Option<MapSize>)>,
     /// The tags of its tiles by name; `None` if the tiles of a level are not known yet.
     pub tiles: Option<BTreeMap<String, TagId>>,
     /// The index of each instance by name.
@@ -78,7 +81,7 @@ pub(super) struct WorldNames {
 }
 
 impl WorldNames {
-    pub fn new(instances: Vec<(Name, EntityId)>, spaces: Vec<(Name, Option<(f64, f64)>)>) -> Self {
+    pub fn new(instances: Vec<(Name, EntityId)>, spaces: Vec<(Name, Option<MapSize>)>) -> Self {
         let names = instances.iter().enumerate().rev();
         let index = names.map(|(at, (name, _))| (name.text.to_string(), at)).collect();
         WorldNames { instances, spaces, tiles: None, index }
@@ -106,13 +109,19 @@ impl<'s> Scope<'s> {
             mode: None,
             covered: false,
             world: None,
+            spaces: &[],
             reads: ReadLimit::Constants,
         }
     }
 
+    /// Constants, and the sizes of spaces.
+    pub fn measured(spaces: &'s [(Name, Option<MapSize>)]) -> Self {
+        Scope { spaces, ..Scope::constant() }
+    }
+
     /// Predicates of a world.
     pub fn predicate(world: &'s WorldNames) -> Self {
-        Scope { world: Some(world), reads: ReadLimit::All, ..Scope::constant() }
+        Scope { world: Some(world), spaces: &world.spaces, reads: ReadLimit::All, ..Scope::constant() }
     }
 
     pub fn reading(self, reads: ReadLimit) -> Self {

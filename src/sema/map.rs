@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 
 use crate::diagnostic::catalogue::names::DuplicateName;
 use crate::diagnostic::catalogue::world::{KnownReading, NoCharacters, RedundantLegend, UnreadLevel};
-use crate::ir::{SpaceId, TileMap};
+use crate::ir::{Extremes, SpaceId, TileMap};
 use crate::level::{Format, InlineTile, inline_map, legend, text_rows};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{self, MapSource, Name};
 use crate::syntax::occurrence::NameKind;
+use crate::syntax::{ANY_SYMBOL, symbol_name};
 
 use super::checked::World;
 use super::names::{Table, unknown};
@@ -213,6 +214,9 @@ impl<'a> Checker<'a> {
             }
             ProgramTiles::Block(tiles) => self.tile_kinds(tiles, &mut set, tile, world),
         }
+        if let Some(rows) = &rows {
+            self.excuse_symbols(rows, &mut set);
+        }
         // A wrong side is already reported.
         let rows = rows.filter(|_| tile.is_some());
         let declared = (&*called.text, called.span);
@@ -220,12 +224,27 @@ impl<'a> Checker<'a> {
             inline_map(&rows, at, declared, set.tile, (&set.tiles, &set.others), &mut self.diagnostics)
         });
         if let Some((width, height)) = world.spaces[id].map.as_ref().map(TileMap::size)
-            && self.length(width.max(height), at).is_none()
+            && self.length(width.greatest(height), at).is_none()
         {
             world.spaces[id].map = None;
             return;
         }
         self.tile_instances(world, id, &set, at, population);
+    }
+
+    /// Adds the characters whose tiles could not be parsed, which is reported already.
+    fn excuse_symbols(&self, rows: &[(&str, Span)], set: &mut TileSet<'_>) {
+        let excuses_all = self.poisoned_names.contains(ANY_SYMBOL);
+        if !excuses_all && !self.poisoned_names.iter().any(|name| name.starts_with(ANY_SYMBOL)) {
+            return;
+        }
+        let used: BTreeSet<char> = rows.iter().flat_map(|(row, _)| row.chars()).collect();
+        let known: BTreeSet<char> = set.tiles.iter().map(|tile| tile.symbol).collect();
+        let excused = used.difference(&known).copied();
+        let excused = excused.filter(|symbol| excuses_all || self.poisoned_names.contains(&symbol_name(*symbol)));
+        let room = MAX_TILE_KINDS.saturating_sub(set.tiles.len());
+        let tile = |symbol| InlineTile { symbol, tags: Vec::new(), slope: None, breakable: None };
+        set.tiles.extend(excused.take(room).map(tile));
     }
 
     /// Adds the tiles of a legend that the level uses and the program does not define; drops the rows if the legend

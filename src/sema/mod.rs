@@ -37,6 +37,7 @@ mod predicate;
 mod probe;
 mod record_uses;
 mod reference;
+mod room;
 mod signal;
 mod slope;
 mod start;
@@ -198,6 +199,8 @@ struct Checker<'a> {
     tile_counts: Vec<(TagId, Span)>,
     /// Whether a map could not be read.
     has_unread_map: bool,
+    /// Whether the size of such a map was read since this was looked at last.
+    reads_unknown_size: bool,
     /// The facts at the current expression.
     facts: facts::Facts,
     /// The mode names of entities that others read.
@@ -229,6 +232,7 @@ impl<'a> Checker<'a> {
             instance_uses: Vec::new(),
             tile_counts: Vec::new(),
             has_unread_map: false,
+            reads_unknown_size: false,
             facts: facts::Facts::default(),
             mode_names: std::collections::BTreeMap::new(),
             sets: IdVec::new(),

@@ -4,12 +4,13 @@ use crate::diagnostic::catalogue::structure::BadCollider;
 use crate::diagnostic::catalogue::types::{OutOfRange, TypeMismatch};
 use crate::ir::{DiscreteId, EntityId, IdVec, Origin, ParamId, RefId, SlotId, SpaceId, VarId};
 use crate::source::Span;
-use crate::syntax::ast::{self, ExprKind, Name};
+use crate::syntax::ast::{self, ExprKind, Name, PlaceHeight};
 
 use super::checked::{Entity, Given, Instance, Term};
 use super::constant::{ConstantContext, evaluate};
 use super::expression::Scope;
 use super::names::{Table, unknown};
+use super::room::Room;
 use super::{Checker, start};
 
 /// The explicitly set values of an instance; the rest follows from the entity.
@@ -48,9 +49,9 @@ impl Checker<'_> {
         settings: &[ast::Assignment],
         position: Span,
         step: (u64, u64),
+        scope: &Scope<'_>,
     ) -> Option<Settings> {
         let constants = ConstantContext { params: None, step: Some(step) };
-        let scope = Scope::constant();
         let mut out =
             Settings { values: Values::of(&self.checked.entities[id]), given: Vec::new(), references: Vec::new() };
         let mut set: Table<()> = Table::new("setting");
@@ -69,7 +70,7 @@ impl Checker<'_> {
                 out.references.extend(self.instance_name(&setting.value).map(|name| (reference, name)));
                 continue;
             }
-            let term = self.typed(&setting.value, &scope, &ty);
+            let term = self.typed(&setting.value, scope, &ty);
             let value = term.as_ref().and_then(|t| self.evaluated(t, constants));
             out.given.extend(term.map(|t| (what, t)));
             fits &= value.is_some();
@@ -91,24 +92,29 @@ impl Checker<'_> {
         step: (u64, u64),
         slot: SlotId,
         references: &mut Vec<(SlotId, RefId, Name)>,
+        room: &Room<'_>,
     ) -> Option<Instance> {
         let constants = ConstantContext { params: None, step: Some(step) };
-        let scope = Scope::constant();
-        let mut at = [None, None];
+        let scope = Scope::measured(room.spaces);
         let mut given = Vec::new();
-        for ((value, e), var) in at.iter_mut().zip([&place.x, &place.y]).zip(VarId::XY) {
-            if let Some(term) = self.number(e, &scope) {
-                *value = self.evaluated(&term, constants).and_then(|value| self.length(value, e.span));
-                given.push((Given::Var(var, 0), term));
-            }
-        }
+        let mut coordinate = |of: &mut Self, e: &ast::Expr, var| {
+            let term = of.number(e, &scope)?;
+            let value = of.measured(&term, constants, e.span);
+            given.push((Given::Var(var, 0), term));
+            value
+        };
+        let x = coordinate(self, &place.x, VarId::X);
+        let y = match &place.y {
+            PlaceHeight::At(y) => coordinate(self, y, VarId::Y),
+            PlaceHeight::Above(tag) => self.above(tag, x, room),
+        };
         let Some(id) = self.entity_named(&place.entity) else {
             let fact = unknown("entity", &place.entity.text, place.entity.span, self.entities.names());
             self.report_unknown(fact);
             return None;
         };
-        let settings = self.settings(id, &place.settings, place.x.span.to(place.y.span), step);
-        let (Some(x), Some(y), Some(settings)) = (at[0], at[1], settings) else { return None };
+        let settings = self.settings(id, &place.settings, place.x.span.to(place.y.span()), step, &scope);
+        let (Some(x), Some(y), Some(settings)) = (x, y, settings) else { return None };
         let Settings { mut values, given: set, references: named } = settings;
         values.vars[VarId::X][0] = Some(x);
         values.vars[VarId::Y][0] = Some(y);

@@ -16,6 +16,7 @@ use super::checked::{Action, Instance, Term, TermKind, World};
 use super::constant::ConstantContext;
 use super::expression::Scope;
 use super::names::{Table, unknown};
+use super::room::Room;
 use super::world::TileSet;
 
 /// The instances of a world under construction.
@@ -32,6 +33,10 @@ pub(super) struct Population {
     /// The tiles with a name, by the span of it: a name is of one instance of the world.
     named_tiles: BTreeMap<Span, NamedTile>,
     full: bool,
+    /// The part of the world that makes instances now: its space, and its place among the parts of it.
+    pub part: (SpaceId, usize),
+    /// Per instance, the part that made it.
+    parts: Vec<(SpaceId, usize)>,
 }
 
 /// A tile that spawns an instance with a name.
@@ -53,6 +58,27 @@ impl Population {
             unnamed: BTreeMap::new(),
             named_tiles: BTreeMap::new(),
             full: false,
+            part: (SpaceId(0), 0),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Puts the instances in the order of the text: those of maps are made first, as places are measured by maps.
+    pub fn sort(&mut self) {
+        let mut order: Vec<usize> = (0..self.instances.len()).collect();
+        order.sort_by_key(|slot| self.parts.get(*slot));
+        if order.is_sorted() {
+            return;
+        }
+        let mut slots = vec![SlotId(0); order.len()];
+        for (new, old) in order.iter().enumerate() {
+            slots[*old] = SlotId::from_index(new);
+        }
+        let sorted = order.iter().map(|old| self.instances[SlotId::from_index(*old)].clone());
+        self.instances = sorted.collect();
+        for (slot, ..) in &mut self.references {
+            // Of what was not made, because there are too many, a reference is left as it is.
+            *slot = slots.get(slot.index()).copied().unwrap_or(*slot);
         }
     }
 }
@@ -65,6 +91,7 @@ impl Checker<'_> {
             }
             return None;
         }
+        population.parts.push(population.part);
         Some(population.instances.push(instance))
     }
 
@@ -76,11 +103,11 @@ impl Checker<'_> {
     }
 
     /// `place name: Entity at (x, y) { … }`
-    pub(super) fn placed(&mut self, place: &ast::Place, space: SpaceId, population: &mut Population) {
+    pub(super) fn placed(&mut self, place: &ast::Place, space: SpaceId, population: &mut Population, room: &Room<'_>) {
         self.record_declaration(NameKind::Instance, &place.name);
         population.names.declare(&place.name, (), &mut self.diagnostics);
         let slot = SlotId::from_index(population.instances.len());
-        match self.place(place, space, population.step, slot, &mut population.references) {
+        match self.place(place, space, population.step, slot, &mut population.references, room) {
             Some(instance) => {
                 self.populate(population, instance);
             }

@@ -1,10 +1,11 @@
 //! Values of instances: `hero.x` and `main.width` in predicates of a world, `target.x` in entities.
 
 use crate::diagnostic::catalogue::types::TypeMismatch;
+use crate::diagnostic::similar;
 use crate::ir::{EntityId, SlotId, Subject, VarId};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, Name, PathRef};
-use crate::syntax::occurrence::{NameKind, Role};
+use crate::syntax::occurrence::Role;
 
 use super::checked::{Given, Term, TermKind, Type};
 use super::expression::{ReadLimit, Scope};
@@ -36,8 +37,17 @@ impl Checker<'_> {
             });
             return None;
         }
+        let is_instance = scope.world.is_some_and(|world| world.instance(&first.text).is_some());
+        if !is_instance && let Some(space) = scope.spaces.iter().find(|(name, _)| name.text == first.text) {
+            return self.measure(space, path, first, second, span);
+        }
         if scope.entity.is_some() {
             return self.referred_member(path, first, second, span, scope);
+        }
+        if scope.world.is_none() && similar(&first.text, scope.spaces.iter().map(|(name, _)| &*name.text)).is_some() {
+            let fact = unknown("space", &first.text, first.span, scope.spaces.iter().map(|(name, _)| name));
+            self.report_unknown(fact);
+            return None;
         }
         let world = self.allow(scope.world, span, scope, ReadLimit::All, "another instance's variable")?;
         if let Some((slot, entity)) = world.instance(&first.text) {
@@ -45,28 +55,6 @@ impl Checker<'_> {
             return self.value_of(Subject::Slot(slot), entity, path, second, span);
         }
         self.unprimed(path)?;
-        if let Some((declared, size)) = world.spaces.iter().find(|(n, _)| n.text == first.text) {
-            self.record_use(NameKind::Space, first.span, declared.span);
-            let Some(size) = size else {
-                self.diagnostics.report(TypeMismatch {
-                    at: span,
-                    found: "a space without a map".into(),
-                    expected: "a space with a map".into(),
-                    help: Some("the size of a space is the size of its map".into()),
-                });
-                return None;
-            };
-            let value = match &*second.text {
-                "width" => size.0,
-                "height" => size.1,
-                other => {
-                    let fact = unknown("measure of a space", other, second.span, ["width", "height"]);
-                    self.report_unknown(fact);
-                    return None;
-                }
-            };
-            return Some(Term { kind: TermKind::Number(value), ty: Type::Real, span });
-        }
         let known = world.instance_names().chain(world.spaces.iter().map(|(n, _)| Candidate::from(n)));
         let fact = unknown("instance or space", &first.text, first.span, known);
         self.report_unknown(fact);

@@ -1,6 +1,6 @@
 //! Worlds: the step, collision rules, tiles and maps, placed instances with their initial values, players, goals.
 
-use crate::ir::{Arithmetic, Bounce, IdVec, MAX_COLLIDE_LINES, Origin, Push, Response, SpaceId, TagId};
+use crate::ir::{Arithmetic, Bounce, Id, IdVec, MAX_COLLIDE_LINES, Origin, Push, Response, SpaceId, TagId};
 
 use std::rc::Rc;
 
@@ -17,6 +17,7 @@ use super::constant::ConstantContext;
 use super::expression::{Scope, WorldNames};
 use super::names::{Table, unknown};
 use super::population::Population;
+use super::room::{MapSize, Room};
 use super::test::Questions;
 use super::{Checker, MAX_TILE_KINDS};
 
@@ -87,10 +88,9 @@ impl Checker<'_> {
         let mut population = Population::new(world.step);
         let mut spaces: Table<SpaceId> = Table::new("space");
         let mut sizes = Vec::new();
-        for item in &syntax.items {
-            let WorldItem::Space(space) = item else {
-                continue;
-            };
+        let parts = syntax.items.iter().filter_map(|i| if let WorldItem::Space(s) = i { Some(s) } else { None });
+        // Maps first: what else is in a space can be measured by any of them.
+        for space in parts.clone() {
             let id = world.spaces.push(Space {
                 name: space.name.clone(),
                 map: None,
@@ -102,17 +102,26 @@ impl Checker<'_> {
             self.record_declaration(NameKind::Space, &space.name);
             spaces.declare(&space.name, id, &mut self.diagnostics);
             let mut map_at = None;
+            for (at, item) in space.items.iter().enumerate() {
+                if let SpaceItem::Map(map) = item {
+                    population.part = (id, at);
+                    self.map(map, &sets, &mut map_at, (id, &mut world), &mut population);
+                }
+            }
+            let size = MapSize::of(world.spaces[id].map.as_ref());
+            self.has_unread_map |= map_at.is_some() && !size.is_known;
+            sizes.push((space.name.clone(), map_at.map(|_| size)));
+        }
+        for (id, space) in parts.enumerate() {
+            let id = SpaceId(id as u32);
             let mut bounds: Table<()> = Table::new("the bounds of");
             let mut wraps = Vec::new();
-            for item in &space.items {
+            for (at, item) in space.items.iter().enumerate() {
                 match item {
-                    SpaceItem::Map(map) => {
-                        self.map(map, &sets, &mut map_at, (id, &mut world), &mut population);
-                    }
-                    SpaceItem::Link(_) => {}
+                    SpaceItem::Map(_) | SpaceItem::Link(_) => {}
                     SpaceItem::Solid(solid) => {
                         let tags = solid.tags.iter().map(|t| self.carried(t)).collect();
-                        if let Some(rect) = self.rectangle(&solid.rectangle, &mut world.lengths) {
+                        if let Some(rect) = self.rectangle(&solid.rectangle, &sizes, &mut world.lengths) {
                             let span = solid.rectangle.span;
                             world.spaces[id].solids.push(Solid { tags, rect, span });
                         }
@@ -120,19 +129,20 @@ impl Checker<'_> {
                     SpaceItem::Bounds(rectangle) => {
                         let name = Name { text: space.name.text.clone(), span: rectangle.span };
                         if bounds.declare(&name, (), &mut self.diagnostics) {
-                            world.spaces[id].bounds = self.rectangle(rectangle, &mut world.lengths);
+                            world.spaces[id].bounds = self.rectangle(rectangle, &sizes, &mut world.lengths);
                         }
                     }
                     SpaceItem::Wrap(wrap) => wraps.push(*wrap),
-                    SpaceItem::Place(place) => self.placed(place, id, &mut population),
+                    SpaceItem::Place(place) => {
+                        population.part = (id, at);
+                        let room = Room { spaces: &sizes, id, map: world.spaces[id].map.as_ref() };
+                        self.placed(place, id, &mut population, &room);
+                    }
                 }
             }
-            self.wraps(&wraps, &mut world.spaces[id], map_at.is_some());
-            // A world with a missing or wrong map is checked, but not run: its size does not matter.
-            let known = world.spaces[id].map.as_ref().map(crate::ir::TileMap::size);
-            self.has_unread_map |= map_at.is_some() && known.is_none();
-            sizes.push((space.name.clone(), known.or(map_at.map(|_| (0.0, 0.0)))));
+            self.wraps(&wraps, &mut world.spaces[id], sizes[id.index()].1.is_some());
         }
+        population.sort();
         self.named_tiles(&mut population);
         world.limits = self.limits(syntax, &mut population);
         world.looks = self.tag_looks(syntax);
@@ -345,35 +355,12 @@ impl Checker<'_> {
     pub(super) fn tile_spawn(&mut self, spawn: Option<&ast::TileSpawn>) {
         let Some(spawn) = spawn else { return };
         if let Some(entity) = self.entity_named(&spawn.entity) {
-            let settings = self.settings(entity, &spawn.settings, spawn.span, self.step);
+            let settings = self.settings(entity, &spawn.settings, spawn.span, self.step, &Scope::constant());
             self.spawn_settings.insert(spawn.span, settings.map(Rc::new));
         }
         if let Some(name) = &spawn.name {
             self.record_declaration(NameKind::Instance, name);
         }
-    }
-
-    /// A rectangle with constant sides, px.
-    fn rectangle(&mut self, r: &ast::Rectangle, lengths: &mut Vec<Term>) -> Option<[f64; 4]> {
-        let mut known = [None; 4];
-        for (index, (slot, e)) in known.iter_mut().zip(r.sides.iter()).enumerate() {
-            let Some(term) = self.number(e, &Scope::constant()) else { continue };
-            *slot = self.evaluated(&term, ConstantContext::LITERALS);
-            lengths.push(term);
-            if index >= 2
-                && let Some(value) = slot.filter(|v| *v <= 0.0)
-            {
-                *slot = None;
-                self.diagnostics.report(OutOfRange {
-                    at: e.span,
-                    what: format!("a side of {value} px"),
-                    range: "what is above 0 px".into(),
-                });
-            }
-            *slot = slot.and_then(|value| self.length(value, e.span));
-        }
-        let [x, y, width, height] = known;
-        Some([x?, y?, width?, height?])
     }
 
     /// A coordinate or a size in a world, if it is not too large.
@@ -394,8 +381,8 @@ impl Checker<'_> {
             let id = SpaceId(id as u32);
             for item in &space.items {
                 let SpaceItem::Link(link) = item else { continue };
-                let from = self.rectangle(&link.from, &mut world.lengths);
-                let to = self.rectangle(&link.to, &mut world.lengths);
+                let from = self.rectangle(&link.from, &names.spaces, &mut world.lengths);
+                let to = self.rectangle(&link.to, &names.spaces, &mut world.lengths);
                 let guard = link.guard.as_ref().map(|g| self.guard(g, &scope));
                 if let Some((declared, _)) = spaces.entry(&link.space.text) {
                     self.record_use(NameKind::Space, link.space.span, declared.span);

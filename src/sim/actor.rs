@@ -5,8 +5,8 @@ use std::ops;
 use std::sync::Arc;
 
 use crate::ir::{
-    ButtonId, CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, GroupId, Id, IdVec, LeafId, ParamId, Press,
-    Program, Rest, Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
+    ButtonId, CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, Extremes, GroupId, Id, IdVec, LeafId, ParamId,
+    Press, Program, Rest, Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
 };
 
 use super::state::one_zero;
@@ -195,7 +195,7 @@ fn limits(entity: &Entity, number: impl Fn(ExprId) -> Option<f64>) -> Option<Vec
         let high = clamp.high.map_or(Some(unbounded.1), &number)?;
         let limit = limits[clamp.var.index()].get_mut(usize::from(clamp.degree))?;
         // Several clamps in sequence equal one.
-        *limit = (one_zero(limit.0.max(low).min(high)), one_zero(limit.1.max(low).min(high)));
+        *limit = (one_zero(limit.0.greatest(low).least(high)), one_zero(limit.1.greatest(low).least(high)));
     }
     Some(limits)
 }

@@ -3,7 +3,7 @@
 //! *Dynamic Simulation of Non-Penetrating Rigid Bodies*, 1992, who sweeps them all at once), so that the cost grows
 //! with the number of boxes and neighbours, not quadratically.
 
-use crate::ir::SlotId;
+use crate::ir::{Extremes, SlotId};
 
 use crate::watch::Meter;
 
@@ -137,7 +137,7 @@ impl Sweep {
         let Sweep { entries } = self;
         entries.clear();
         let active = || boxes.iter().enumerate().filter(|(body, b)| b.active && meets(*body)).map(|(_, b)| b);
-        let floor = active().fold(f64::INFINITY, |low, b| low.min(b.bottom));
+        let floor = active().fold(f64::INFINITY, |low, b| low.least(b.bottom));
         let height = active().map(|b| b.top - b.bottom).sum::<f64>() / active().count() as f64;
         // The cast saturates: boxes that are very far up share the last strip.
         let strip = |y: f64| ((y - floor) / height) as u32;

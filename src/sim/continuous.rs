@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Clamp, Drive, Entity, GroupId, Id, VarId};
+use crate::ir::{Clamp, Drive, Entity, Extremes, GroupId, Id, VarId};
 
 use super::actor::{Actor, COAST, Flow, Plan, Straight};
 use super::chance::Frames;
@@ -263,7 +263,7 @@ fn clip(clamps: &[Clamp], bounds: &[(f64, f64)], var: VarId, degree: u8, value: 
     for (index, clamp) in clamps.iter().enumerate() {
         if clamp.var == var && clamp.degree == degree {
             let (low, high) = bounds[index];
-            value = value.max(low).min(high);
+            value = value.greatest(low).least(high);
         }
     }
     value

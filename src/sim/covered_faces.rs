@@ -4,7 +4,7 @@
 //! block the same body lie along all of that part, directly outside of it. Which rectangles have adjacent ones, and
 //! which tiles have adjacent rectangles, is precomputed: all others cost nothing.
 
-use crate::ir::{Bounds, Push, Side, Slope, Solid, Space, SpaceId};
+use crate::ir::{Bounds, Extremes, Push, Side, Slope, Solid, Space, SpaceId};
 use crate::watch::Meter;
 
 use super::collision::{Body, Kind};
@@ -104,9 +104,9 @@ impl MaxTree {
 
     fn raise(&mut self, range: (usize, usize), to: f64) {
         self.cover(self.root(), range, &mut |(all, any), is_whole| {
-            *any = any.max(to);
+            *any = any.greatest(to);
             if is_whole {
-                *all = all.max(to);
+                *all = all.greatest(to);
             }
         });
     }
@@ -115,7 +115,7 @@ impl MaxTree {
     fn within(&mut self, range: (usize, usize)) -> f64 {
         let mut greatest = f64::NEG_INFINITY;
         self.cover(self.root(), range, &mut |(all, any), is_whole| {
-            greatest = greatest.max(if is_whole { *any } else { *all });
+            greatest = greatest.greatest(if is_whole { *any } else { *all });
         });
         greatest
     }
@@ -155,8 +155,8 @@ fn cells(space: &Space, solids: &[Solid]) -> Vec<bool> {
 impl Face {
     /// The vertical and the horizontal face of a box that are turned to a body.
     fn turned(body: &Rect, other: &Rect, overlap: &Overlap) -> [Face; 2] {
-        let (left, right) = (body.left.max(other.left), body.right.min(other.right));
-        let (bottom, top) = (body.bottom.max(other.bottom), body.top.min(other.top));
+        let (left, right) = (body.left.greatest(other.left), body.right.least(other.right));
+        let (bottom, top) = (body.bottom.greatest(other.bottom), body.top.least(other.top));
         let (across, up) = (overlap.x_side != Side::Right, overlap.y_side != Side::Above);
         let at = |faces_up: bool, low: f64, high: f64| if faces_up { high } else { low };
         [
@@ -198,7 +198,7 @@ impl CoveredPart {
     fn add(&mut self, (low, high): (f64, f64), face: &Face) -> bool {
         if low <= self.reach + TOLERANCE && high >= self.reach - TOLERANCE {
             self.is_met = true;
-            self.reach = self.reach.max(high);
+            self.reach = self.reach.greatest(high);
         }
         self.is_met && self.reach >= face.high - TOLERANCE
     }

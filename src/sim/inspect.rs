@@ -28,6 +28,11 @@ impl<'a> Instance<'a> {
 }
 
 impl Simulator {
+    /// The buttons that a state keeps of the last step: those whose presses or releases something reads.
+    pub fn remembered_buttons(&self) -> u64 {
+        self.remembered
+    }
+
     /// An expression of the entity of a living instance that reads neither inputs nor what nature draws, as a number;
     /// truth is 1. Whether modes of other groups are entered or left in the step is not known: they count as staying.
     ///

@@ -1,7 +1,7 @@
 //! What walks down a slope is kept on it, and on the ground at its end: else it would fall for a few steps, again and
 //! again.
 
-use crate::ir::{Bounds, Push, Side};
+use crate::ir::{Bounds, Extremes, Push, Side};
 
 use super::contact::{Contact, Displacement, Rect, TOLERANCE};
 use super::encounter::Encounter;
@@ -51,7 +51,7 @@ impl Simulator {
             for spot in self.spots(&mover, &mover.start) {
                 let Some(ground) = self.ground(state, &mover, &mover.start, spot) else { continue };
                 if ground.gap.abs() <= TOLERANCE {
-                    stood = Some(ground.steep.max(stood.unwrap_or(0.0)));
+                    stood = Some(ground.steep.greatest(stood.unwrap_or(0.0)));
                     stood_on_slope |= ground.is_slope;
                 }
             }
@@ -64,7 +64,7 @@ impl Simulator {
         }
         let Some((stood, (ground, way))) = stood.zip(nearest) else { return };
         let gap = ground.gap;
-        if gap == 0.0 || !(stood_on_slope || ground.is_slope) || gap > way * stood.max(ground.steep) + TOLERANCE {
+        if gap == 0.0 || !(stood_on_slope || ground.is_slope) || gap > way * stood.greatest(ground.steep) + TOLERANCE {
             return;
         }
         for mover in falling() {

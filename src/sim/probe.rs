@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Bounds, Expr, Period, Program, SlotId, SpaceId, TagId, TagSet, TileId, World};
+use crate::ir::{Bounds, Expr, Extremes, Period, Program, SlotId, SpaceId, TagId, TagSet, TileId, World};
 
 use super::actor::Actor;
 use super::breakable::Best;
@@ -143,8 +143,8 @@ impl Simulator {
             let Some(tile) = breakables.tile(rect.space as usize, cell) else { return false };
             let other = rect.at(bounds);
             if !breakables.is_broken(state, tile) && overlap(rect, &other) {
-                let width = rect.right.min(other.right) - rect.left.max(other.left);
-                let height = rect.top.min(other.top) - rect.bottom.max(other.bottom);
+                let width = rect.right.least(other.right) - rect.left.greatest(other.left);
+                let height = rect.top.least(other.top) - rect.bottom.greatest(other.bottom);
                 let found = Best { tile, cell, measure: width * height };
                 if most.get().is_none_or(|known| found.is_better_than(&known)) {
                     most.set(Some(found));
@@ -252,7 +252,7 @@ impl Simulator {
 
 /// Whether two shapes overlap by more than what faces that merely touch may.
 fn overlap(a: &Rect, b: &Rect) -> bool {
-    let x = (a.right - b.left).min(b.right - a.left);
-    let y = (a.top - b.bottom).min(b.top - a.bottom);
+    let x = (a.right - b.left).least(b.right - a.left);
+    let y = (a.top - b.bottom).least(b.top - a.bottom);
     a.space == b.space && x > TOLERANCE && y > TOLERANCE && (!(a.round || b.round) || sinks_in(a, b))
 }

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::ir::{Id, Period, Solid, Space, SpaceId, TagId, TileMap, VarId, World};
+use crate::ir::{Extremes, Id, Period, Solid, Space, SpaceId, TagId, TileMap, VarId, World};
 use crate::watch::Meter;
 
 use super::broad_phase::{BroadPhase, PAIRS_PER_BOX, Sweep};
@@ -116,10 +116,10 @@ impl Images {
         let mut hull = Rect { left: f64::INFINITY, right: f64::NEG_INFINITY, ..Rect::default() };
         (hull.bottom, hull.top) = (hull.left, hull.right);
         for rect in boxes.iter().filter(wraps) {
-            hull.left = hull.left.min(rect.left);
-            hull.right = hull.right.max(rect.right);
-            hull.bottom = hull.bottom.min(rect.bottom);
-            hull.top = hull.top.max(rect.top);
+            hull.left = hull.left.least(rect.left);
+            hull.right = hull.right.greatest(rect.right);
+            hull.bottom = hull.bottom.least(rect.bottom);
+            hull.top = hull.top.greatest(rect.top);
         }
         self.rects.extend_from_slice(boxes);
         for (body, rect) in boxes.iter().enumerate().filter(|(_, rect)| wraps(rect)) {

@@ -1,7 +1,7 @@
 //! Slopes: tiles that are solid up to a line. To a collider, such a tile is its box up to the highest point of the line
 //! over the collider. A world without slopes has no tables for them.
 
-use crate::ir::{Bounds, Slope, World};
+use crate::ir::{Bounds, Extremes, Slope, World};
 
 use super::contact::{Rect, TOLERANCE};
 
@@ -64,10 +64,10 @@ impl Line {
     pub fn is_below(&self, rect: &Rect, joined: impl Fn(bool) -> f64) -> bool {
         let Line { tile, slope } = self;
         let height = if rect.right < tile.left {
-            let steep = self.gradient().max(joined(true)).max(0.0);
+            let steep = self.gradient().greatest(joined(true)).greatest(0.0);
             tile.bottom + slope.left - steep * (tile.left - rect.right)
         } else if rect.left > tile.right {
-            let steep = (-self.gradient()).max(joined(false)).max(0.0);
+            let steep = (-self.gradient()).greatest(joined(false)).greatest(0.0);
             tile.bottom + slope.right - steep * (rect.left - tile.right)
         } else {
             self.top(rect)
@@ -114,7 +114,7 @@ impl Line {
             let along = if length > 0.0 { ((x - from.0) * dx + (y - from.1) * dy) / length } else { 0.0 };
             let along = along.clamp(0.0, 1.0);
             let (dx, dy) = (x - (from.0 + along * dx), y - (from.1 + along * dy));
-            least = least.min(dx * dx + dy * dy);
+            least = least.least(dx * dx + dy * dy);
         }
         least
     }

@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Bounds, Id, Push, Side, SpaceId};
+use crate::ir::{Bounds, Extremes, Id, Push, Side, SpaceId};
 use crate::watch::Meter;
 
 use super::collision::{Body, Kind, Scratch};
@@ -163,7 +163,7 @@ impl Simulator {
         }
         let space = rect.space as usize;
         let at = if to_left { line.tile.left } else { line.tile.right };
-        let along = (rect.bottom.max(line.tile.bottom), rect.top.min(line.tile.bottom + height));
+        let along = (rect.bottom.greatest(line.tile.bottom), rect.top.least(line.tile.bottom + height));
         self.is_beside_rect(space, tile.at)
             && self.is_side_covered(state, (kind, space), (at, !to_left), along, tiles.meter)
     }
@@ -197,8 +197,8 @@ impl Simulator {
         let (left, right) = (rect.left - pushed, rect.right - pushed);
         let way = left - start.left;
         match () {
-            () if way > 0.0 => Some(Contact { side: Side::Right, depth: way.min(right - bounds.left) }),
-            () if way < 0.0 => Some(Contact { side: Side::Left, depth: (-way).min(bounds.right - left) }),
+            () if way > 0.0 => Some(Contact { side: Side::Right, depth: way.least(right - bounds.left) }),
+            () if way < 0.0 => Some(Contact { side: Side::Left, depth: (-way).least(bounds.right - left) }),
             () => None,
         }
     }

@@ -418,6 +418,12 @@ impl SlotLayout {
         state[self.touches + touch.index() / 8] |= 1 << (touch.index() % 8);
     }
 
+    /// Clears the bit of a contact query; what it has found, if it is bound, stays.
+    #[inline]
+    pub fn clear_touch(&self, state: &mut [u8], touch: TouchId) {
+        state[self.touches + touch.index() / 8] &= !(1 << (touch.index() % 8));
+    }
+
     /// Sets the bits of some of the first 64 contact queries.
     #[inline]
     pub(super) fn set_touches(&self, state: &mut [u8], mut bits: u64) {

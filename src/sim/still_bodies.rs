@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Id, SpaceId, World};
+use crate::ir::{Extremes, Id, SpaceId, World};
 use crate::watch::Meter;
 
 use super::actor::Actor;
@@ -62,7 +62,7 @@ impl Axis {
         let count = ends.clone().count();
         let (low, high) = ends
             .clone()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)));
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| (low.least(from), high.greatest(to)));
         let size = 2.0 * ends.map(|(from, to)| to - from).sum::<f64>() / count as f64;
         // The cast saturates, and makes 0 of no number.
         let cells = (((high - low) / size) as usize).clamp(1, count.max(1));

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::ops::Range;
 
-use crate::ir::{Bounds, Id, Push, Side, Slope, SpaceId, TagId, TileMap, World};
+use crate::ir::{Bounds, Extremes, Id, Push, Side, Slope, SpaceId, TagId, TileMap, World};
 use crate::watch::Meter;
 
 use super::breakable::Breakables;
@@ -317,8 +317,8 @@ impl Simulator {
             && let Some(broken) = tiles.breakables.and_then(|(breakables, space)| breakables.tile(space, tile.at))
         {
             let length = match side {
-                Side::Left | Side::Right => rect.top.min(part.top) - rect.bottom.max(part.bottom),
-                Side::Above | Side::Below => rect.right.min(part.right) - rect.left.max(part.left),
+                Side::Left | Side::Right => rect.top.least(part.top) - rect.bottom.greatest(part.bottom),
+                Side::Above | Side::Below => rect.right.least(part.right) - rect.left.greatest(part.left),
             };
             let actor = &self.actors[body.slot.index()];
             let mine = self.collision.kinds[body.kind].tags;

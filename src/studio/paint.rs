@@ -9,8 +9,8 @@ use crate::diagnostic::Diagnostics;
 use crate::ir::TilePicture;
 use crate::level::{Brush, Canvas, Format, Meaning, read_dependencies, text_rows};
 use crate::source::{FileId, Files, SourceMap, Span, normalize};
-use crate::syntax;
 use crate::syntax::ast::{File, Item, Kind, Map, MapSource, SpaceItem, Tile, World, WorldItem};
+use crate::syntax::{self, Unshared};
 
 use super::protocol::{BrushInfo, MapInfo, Scene};
 
@@ -37,7 +37,7 @@ struct Edited<'w> {
 impl<'l> Written<'l> {
     pub fn read(root: &Path, level: Option<&'l Path>, files: &dyn Files) -> Written<'l> {
         let mut sources = SourceMap::new();
-        let (trees, _) = syntax::load(root, files, &mut sources);
+        let (trees, _) = syntax::load(root, (files, &Unshared), &mut sources);
         let level = level.map(|path| match parted(path) {
             Some((Some(file), part)) => (file, part),
             _ => (path, None),

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::source::{FileId, Files, SourceMap};
-use crate::syntax::{self, Number};
+use crate::syntax::{self, Number, Unshared};
 use crate::why::place;
 
 use super::protocol::Slider;
@@ -49,7 +49,7 @@ struct Numbers {
 impl Numbers {
     fn read(root: &Path, files: &dyn Files) -> Numbers {
         let mut sources = SourceMap::new();
-        let (trees, _) = syntax::load(root, files, &mut sources);
+        let (trees, _) = syntax::load(root, (files, &Unshared), &mut sources);
         let literals = trees.iter().flat_map(syntax::numbers).filter_map(|number| {
             let value = number.literal?;
             Some((number, value))

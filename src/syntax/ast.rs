@@ -363,6 +363,11 @@ impl Assignment {
     pub fn span(&self) -> Span {
         self.variable.span.ending(self.end)
     }
+
+    /// Where it ends now.
+    pub(super) fn move_end(&mut self, end: u32) {
+        self.end = end;
+    }
 }
 
 impl fmt::Debug for Assignment {

@@ -351,11 +351,30 @@ pub struct Place {
     /// Its place.
     pub x: Expr,
     /// Its place.
-    pub y: Expr,
+    pub y: PlaceHeight,
     /// Its own parameters and first values.
     pub settings: Vec<Assignment>,
     /// The whole.
     pub span: Span,
+}
+
+/// The height of a place: the second coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PlaceHeight {
+    /// A number.
+    At(Expr),
+    /// `above tag`: on top of the lowest tile with the tag over which there is room.
+    Above(Name),
+}
+
+impl PlaceHeight {
+    /// The span of the whole.
+    pub fn span(&self) -> Span {
+        match self {
+            PlaceHeight::At(y) => y.span,
+            PlaceHeight::Above(tag) => tag.span,
+        }
+    }
 }
 
 /// `player 1: hero`

@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 
 use hashbrown::HashSet;
 use pest::Parser;
-use pest::error::InputLocation;
 use pest::iterators::Pair;
 
 use crate::diagnostic::Diagnostics;
@@ -19,7 +18,8 @@ use super::ast::{
     Look, Member, Mode, Name, Path, Receivers, Reference, Send, Signal, Spawn, Update, Use, Variable, Word, World,
     is_start,
 };
-use super::part::{ITEMS, MEMBERS, Part, Parts, UPDATES, WORLD_ITEMS, each, note_declared, parts};
+use super::part::{MEMBERS, Part, UPDATES, WORLD_ITEMS, each, note_declared, note_tile, parts};
+use super::reparse::{Earlier, Kept};
 use super::scan::Scan;
 use super::{Grammar, Rule, message};
 
@@ -28,14 +28,14 @@ const MAX_SYNTAX_ERRORS: usize = 100;
 
 /// The shared state of the builders.
 pub(super) struct Builder<'a> {
-    file: FileId,
-    source: &'a str,
+    pub(super) file: FileId,
+    pub(super) source: &'a str,
     scan: &'a Scan,
-    text: &'a str,
+    pub(super) text: &'a str,
     /// The offset of the current pairs in the text: a text is parsed part by part.
-    base: usize,
+    pub(super) base: usize,
     /// The furthest position reached in the last part that matched no rule at all.
-    stuck: usize,
+    pub(super) stuck: usize,
     /// Number of parts that matched no rule.
     pub(super) broken: usize,
     poisoned_names: BTreeSet<String>,
@@ -43,33 +43,42 @@ pub(super) struct Builder<'a> {
     words: RefCell<HashSet<Word>>,
     /// Whether `start.x` or `start.y` occurred since it was last asked.
     reads_start: Cell<bool>,
-    errors: usize,
-    diagnostics: &'a mut Diagnostics,
+    pub(super) errors: usize,
+    pub(super) diagnostics: &'a mut Diagnostics,
 }
 
-/// Parses the scanned text and builds the tree.
-pub(super) fn file(id: FileId, source: &str, mut scan: Scan, diagnostics: &mut Diagnostics) -> File {
+/// Parses the scanned text and builds the tree; `text` is what the parser sees. Returns the items that a later parse can
+/// take, too.
+pub(super) fn file(
+    id: FileId,
+    source: &str,
+    (scan, text): (&Scan, Option<&str>),
+    earlier: Option<&Earlier<'_>>,
+    diagnostics: &mut Diagnostics,
+) -> (File, Vec<Kept>) {
     let mut out = File { id, items: Vec::new(), is_broken: false, poisoned_names: BTreeSet::new(), texts: Vec::new() };
-    let Some(text) = scan.text.take() else {
+    let Some(text) = text else {
         // Nothing of the file was read: later stages must not report uses of its declarations.
         out.is_broken = true;
         out.poisoned_names.insert("*".into());
-        return out;
+        return (out, Vec::new());
     };
-    let mut b = Builder::new(id, source, &scan, &text, diagnostics);
-    match b.block(&ITEMS, 0) {
-        Some((items, _)) => out.items = items,
+    let mut kept = Vec::new();
+    let mut b = Builder::new(id, source, scan, text, diagnostics);
+    match b.items(earlier, &mut kept) {
+        Some(items) => out.items = items,
         None => {
             b.base = 0;
             let at = b.span(b.stuck, b.stuck + 1);
             b.diagnostics.report(Unexpected { at, found: None, expected: Vec::new(), help: None, meant: None });
             b.broken += 1;
             b.poisoned_names.insert("*".into());
+            kept.clear();
         }
     }
     out.is_broken = b.broken > 0;
     out.poisoned_names = b.poisoned_names;
-    out
+    (out, kept)
 }
 
 /// Parses a scanned text that is a single predicate.
@@ -104,59 +113,14 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Parses the next part by a rule, from a byte of the repaired text; returns its pair and its end.
-    fn next(&mut self, rule: Rule, at: usize) -> Option<(Pair<'a, Rule>, usize)> {
-        // Separators are skipped here: the parser records every line end in its input.
-        let rest = self.text.get(at..)?;
-        let at = at + (rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n', ';']).len());
-        match Grammar::parse(rule, self.text.get(at..)?) {
-            Ok(mut pairs) => {
-                let part = pairs.next()?;
-                self.base = at;
-                let end = at + part.as_span().end();
-                Some((part.into_inner().next()?, end))
-            }
-            Err(error) => {
-                let (InputLocation::Pos(reached) | InputLocation::Span((reached, _))) = error.location;
-                self.stuck = at + reached;
-                None
-            }
-        }
-    }
-
-    /// The parts of a block from a byte on, and the end of the block. `None` if it does not end; then no part counts as
-    /// broken.
-    pub fn block<T>(&mut self, parts: &Parts<T>, mut at: usize) -> Option<(Vec<T>, usize)> {
-        let (known, errors) = (self.diagnostics.iter().len(), self.errors);
-        let mut built = Vec::new();
-        loop {
-            let Some((pair, end)) = self.next(parts.next, at) else {
-                self.diagnostics.take_back(known);
-                self.errors = errors;
-                return None;
-            };
-            if matches!(pair.as_rule(), Rule::close_brace | Rule::EOI) {
-                built.shrink_to_fit();
-                return Some((built, end));
-            }
-            let (part, end) = match (parts.build)(self, &pair, end) {
-                Some(part) => part,
-                None => {
-                    let (pair, end) = self.next(parts.plain, at)?;
-                    (parts.build)(self, &pair, end)?
-                }
-            };
-            if built.len() == built.capacity() {
-                built.reserve_exact(2.max(built.len() / 4));
-            }
-            built.extend(part);
-            at = end;
-        }
-    }
-
     /// The start of a pair in the repaired text.
     pub fn start_of(&self, pair: &Pair<'_, Rule>) -> usize {
         self.base + pair.as_span().start()
+    }
+
+    /// The byte of the source of a byte of the repaired text.
+    pub fn position(&self, at: usize) -> usize {
+        self.scan.position(at)
     }
 
     /// The source span of bytes of the repaired text.
@@ -224,6 +188,12 @@ impl<'a> Builder<'a> {
         self.diagnostics.report(fact);
     }
 
+    /// Reports a tile that matched no rule. What its map has of it is not reported, too.
+    pub fn bad_tile(&mut self, rule: Rule, pair: &Pair<'_, Rule>) {
+        note_tile(pair.as_str(), &mut self.poisoned_names);
+        self.bad(rule, pair);
+    }
+
     pub(super) fn item(&mut self, pair: &Pair<'_, Rule>, end: usize) -> Part<Item> {
         let (start, inner) = (self.start_of(pair), parts(pair));
         let whole = |item| Some((item, end));
@@ -265,7 +235,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The `///` lines directly above something.
-    fn doc(&self, of: Span) -> Option<String> {
+    pub(super) fn doc(&self, of: Span) -> Option<String> {
         let mut start = of.range().start;
         let mut lines = Vec::new();
         let before = self.scan.docs.partition_point(|c| (c.start as usize) < start);

@@ -5,8 +5,8 @@ use pest::iterators::Pair;
 use super::Rule;
 use super::ast::{
     Assignment, Breakable, Collide, Condition, Expr, Kind, Kinds, Legend, Limit, Link, Map, MapSource, Name, Place,
-    Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, TagLook, Tile, TileSpawn, Tiles, WorldItem,
-    Wrap,
+    PlaceHeight, Player, Question, Rectangle, Response, Slope, Solid, Space, SpaceItem, TagLook, Tile, TileSpawn,
+    Tiles, WorldItem, Wrap,
 };
 use super::build::Builder;
 use super::part::{Part, Parts, parts};
@@ -24,7 +24,7 @@ const TILES: Parts<Tile> = Parts {
     plain: Rule::next_tile,
     build: |b, pair, end| {
         let tile = if pair.as_rule() == Rule::bad_tile {
-            b.bad(Rule::only_tile, pair);
+            b.bad_tile(Rule::only_tile, pair);
             None
         } else {
             b.tile(pair)
@@ -144,7 +144,7 @@ impl<'a> Builder<'a> {
         let mut tiles = Vec::new();
         for tile in parts(block) {
             match tile.as_rule() {
-                Rule::bad_tile => self.bad(Rule::only_tile, &tile),
+                Rule::bad_tile => self.bad_tile(Rule::only_tile, &tile),
                 _ => tiles.extend(self.tile(&tile)),
             }
         }
@@ -216,7 +216,7 @@ impl<'a> Builder<'a> {
         let mut found = Kinds::default();
         for item in block.map(parts).unwrap_or_default() {
             match item.as_rule() {
-                Rule::bad_kind => self.bad(Rule::only_kind, &item),
+                Rule::bad_kind => self.bad_tile(Rule::only_kind, &item),
                 Rule::tile => found.tiles.extend(self.tile(&item)),
                 _ => {
                     let inner = parts(&item);
@@ -308,7 +308,12 @@ impl<'a> Builder<'a> {
             name: self.name(inner.first()?),
             entity: self.name(inner.get(1)?),
             x: self.expression(point.first()?)?,
-            y: self.expression(point.get(1)?)?,
+            y: match point.get(1)? {
+                standing if standing.as_rule() == Rule::standing => {
+                    PlaceHeight::Above(self.name(parts(standing).iter().find(|part| part.as_rule() == Rule::tag)?))
+                }
+                y => PlaceHeight::At(self.expression(y)?),
+            },
             settings,
             span: self.span_of(pair),
         })

@@ -21,14 +21,33 @@ struct Open {
     imports: std::vec::IntoIter<(PathBuf, Span)>,
 }
 
+/// Parses the files of a program.
+pub trait Trees {
+    /// As [`parse`](super::parse), of a file with a path.
+    fn parse(&self, path: &Path, id: FileId, text: &str) -> (File, Diagnostics);
+}
+
+/// Each file is parsed when it is read.
+pub struct Unshared;
+
+impl Trees for Unshared {
+    fn parse(&self, _: &Path, id: FileId, text: &str) -> (File, Diagnostics) {
+        super::parse(id, text)
+    }
+}
+
 /// Reads and parses `root` and its direct and indirect imports. Files come in order of dependency: the root first,
 /// every file before its imports.
-pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<File>, Diagnostics) {
+pub fn load(
+    root: &Path,
+    (files, trees): (&dyn Files, &dyn Trees),
+    sources: &mut SourceMap,
+) -> (Vec<File>, Diagnostics) {
     let mut diagnostics = Diagnostics::new();
     let mut done: Vec<File> = Vec::new();
     let mut known: BTreeMap<PathBuf, FileId> = BTreeMap::new();
     let mut stack: Vec<Open> = Vec::new();
-    stack.extend(open(root, None, files, sources, &mut known, &mut diagnostics));
+    stack.extend(open(root, None, (files, trees), sources, &mut known, &mut diagnostics));
     while let Some(top) = stack.last_mut() {
         let Some((path, at)) = top.imports.next() else {
             done.extend(stack.pop().map(|finished| finished.file));
@@ -46,7 +65,7 @@ pub fn load(root: &Path, files: &dyn Files, sources: &mut SourceMap) -> (Vec<Fil
                 diagnostics.report(TooMany { what: "files".into(), count, limit: MAX_FILES as u64, at });
                 continue;
             }
-            match open(&path, Some(at), files, sources, &mut known, &mut diagnostics) {
+            match open(&path, Some(at), (files, trees), sources, &mut known, &mut diagnostics) {
                 Some(next) => stack.push(next),
                 // Its declarations are unknown, which is already reported.
                 None => {
@@ -96,7 +115,7 @@ fn texts(
 fn open(
     path: &Path,
     import: Option<Span>,
-    files: &dyn Files,
+    (files, trees): (&dyn Files, &dyn Trees),
     sources: &mut SourceMap,
     known: &mut BTreeMap<PathBuf, FileId>,
     diagnostics: &mut Diagnostics,
@@ -111,7 +130,7 @@ fn open(
     let id = sources.add(path, text);
     let identity = files.identity(path);
     known.insert(identity.clone(), id);
-    let (mut file, found) = super::parse(id, sources.file(id).text());
+    let (mut file, found) = trees.parse(path, id, sources.file(id).text());
     diagnostics.append(found);
     let folder = path.parent().unwrap_or(Path::new(""));
     file.texts = texts(&file, folder, files, sources, diagnostics);

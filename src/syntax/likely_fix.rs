@@ -84,9 +84,11 @@ const MEMBERS: &[ForeignWords] = &[
     (&["function", "func", "fn", "def", "method", "extends", "template"], None, NO_FUNCTIONS),
     (&["parallel", "concurrent", "region"], Some("group"), "modes that run beside others are in a `group`"),
     (&["predicate", "guard", "macro", "define", "alias"], Some("condition"), NAMED_GUARD),
+    (&["collide"], None, "worlds rule contacts: `collide TAG with TAG: block` belongs in a `world`"),
 ];
 
 const ITEMS: &[ForeignWords] = &[
+    (&["collide", "tiles", "space", "goal", "never", "player", "step"], None, "this belongs in a `world NAME { … }`"),
     (
         &["class", "object", "actor", "struct", "automaton", "character", "agent", "prefab"],
         Some("entity"),
@@ -150,6 +152,7 @@ pub(super) fn likely_fix(failed: &Failure<'_>, opening: &[&'static str]) -> Opti
         .or_else(|| call(failed))
         .or_else(|| comma(failed))
         .or_else(|| equality(failed))
+        .or_else(|| response(failed))
         .or_else(|| block(failed))
         .or_else(|| opener(failed, opening))
         .or_else(|| statements(failed, opening))
@@ -287,6 +290,13 @@ fn edge(failed: &Failure<'_>) -> Option<LikelyFix> {
         let (range, text) = failed.to_the_end(&format!("{{ {updates} }}"));
         LikelyFix::replacement(help, range, text)
     })
+}
+
+/// A contact of which nothing comes.
+fn response(failed: &Failure<'_>) -> Option<LikelyFix> {
+    let is_unsaid = failed.first_word() == "collide" && failed.expects("`:`") && failed.before().contains(" with ");
+    (is_unsaid && failed.found.is_empty())
+        .then(|| LikelyFix::new("what comes of it is said at the end: `: block` stops, `: sense` only tells guards"))
 }
 
 /// A unit separated from its number, or an unknown unit.

@@ -245,7 +245,7 @@ fn word(rule: Rule) -> Option<Cow<'static, str>> {
         | R::ramps
         | R::test_block => "`{`",
         R::close_brace => "`}`",
-        R::open_paren | R::point => "`(`",
+        R::open_paren | R::point | R::position => "`(`",
         R::close_paren => "`)`",
         R::comma => "`,`",
         R::colon | R::annotation => "`:`",

@@ -9,6 +9,7 @@ mod ast_path;
 mod ast_test;
 mod ast_world;
 mod build;
+mod build_block;
 mod build_envelope;
 mod build_test;
 mod build_world;
@@ -20,10 +21,12 @@ mod import;
 mod keyword;
 mod likely_fix;
 mod message;
+mod moved;
 mod number;
 pub mod occurrence;
 mod part;
 mod repair;
+mod reparse;
 mod scan;
 mod substitute;
 mod word;
@@ -39,10 +42,12 @@ pub(crate) use foreign::NO_POWER;
 use hyped_grammar::Grammar;
 // Only this stage and the formatter use it.
 pub(crate) use hyped_grammar::Rule;
-pub use import::load;
+pub use import::{Trees, Unshared, load};
 pub use keyword::{Keyword, keywords, opening_keywords};
 pub(crate) use number::set_number;
 pub use number::{Number, numbers, unit_of};
+pub(crate) use part::{ANY_SYMBOL, symbol_name};
+pub use reparse::{Parsed, reparse};
 pub use scan::{MAX_NESTING, MAX_OPERATORS, MAX_WORD};
 pub use word::{is_name, is_reserved};
 
@@ -64,7 +69,8 @@ pub fn parse_predicate(file: FileId, text: &str) -> (Option<ast::Expr>, Diagnost
 /// Parses one file. The tree contains the readable parts; the diagnostics describe the others.
 pub fn parse(file: FileId, text: &str) -> (ast::File, Diagnostics) {
     let mut diagnostics = Diagnostics::new();
-    let scanned = scan::scan(file, text, &mut diagnostics);
-    let tree = build::file(file, text, scanned, &mut diagnostics);
+    let mut scanned = scan::scan(file, text, &mut diagnostics);
+    let mended = scanned.text.take();
+    let (tree, _) = build::file(file, text, (&scanned, mended.as_deref()), None, &mut diagnostics);
     (tree, diagnostics)
 }

@@ -223,3 +223,33 @@ pub(super) fn note_declared(slice: &str, names: &mut BTreeSet<String>) {
         }
     }
 }
+
+/// What stands for any character of a map among poisoned names.
+pub(crate) const ANY_SYMBOL: &str = "'";
+
+/// A character of a map as a poisoned name.
+pub(crate) fn symbol_name(symbol: char) -> String {
+    format!("'{symbol}'")
+}
+
+/// Collects what a broken tile may have declared: its character, or any one if there is none, and tags and instances.
+pub(super) fn note_tile(slice: &str, names: &mut BTreeSet<String>) {
+    let slice = slice.trim_start();
+    let (first, rest) = match slice.strip_prefix(['\'', '"']) {
+        Some(inner) => inner.split_once(['\'', '"']).or_else(|| inner.split_once(':')),
+        None => slice.split_once(':'),
+    }
+    .unwrap_or(("", slice));
+    let is_symbol = |c: &char| !c.is_whitespace();
+    match first.chars().any(|c| is_symbol(&c)) {
+        true => names.extend(first.chars().filter(is_symbol).map(symbol_name)),
+        // A blank between quotes is a character, too.
+        false => drop(names.insert(ANY_SYMBOL.to_string())),
+    }
+    // Another tile in the same statement.
+    let characters: Vec<char> = rest.chars().collect();
+    let quoted = characters.windows(3).filter(|three| three[0] == '\'' && three[2] == '\'');
+    names.extend(quoted.map(|three| symbol_name(three[1])));
+    let words = rest.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
+    names.extend(words.map(str::to_string));
+}

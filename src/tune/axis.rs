@@ -1,5 +1,7 @@
 //! The numbers that are varied: the values that are tried, and the ways from what the program has to them.
 
+use crate::ir::Extremes;
+
 use serde::{Deserialize, Serialize};
 
 /// Number of steps into which a range is divided if no step is given, at least.
@@ -55,7 +57,7 @@ impl Axis {
 
     /// All values, in order.
     fn values(&self) -> Vec<f64> {
-        let count = ((self.high - self.low) / self.step * (1.0 + ROUNDING)).floor().max(0.0) as usize;
+        let count = ((self.high - self.low) / self.step * (1.0 + ROUNDING)).floor().greatest(0.0) as usize;
         let mut values: Vec<f64> = (0..=count).map(|at| self.written(self.low + at as f64 * self.step)).collect();
         values.retain(|value| *value < self.high);
         values.push(self.high);
@@ -72,7 +74,7 @@ impl Axis {
     pub(super) fn between(&self, a: f64, b: f64) -> Option<f64> {
         let steps = (a.midpoint(b) - self.low) / self.step;
         let middle = self.written(self.low + steps.round() * self.step);
-        (a.min(b) < middle && middle < a.max(b)).then_some(middle)
+        (a.least(b) < middle && middle < a.greatest(b)).then_some(middle)
     }
 
     /// How large a change is: relative to what the program has, or to the range if that is 0.
@@ -146,9 +148,9 @@ pub(super) fn joint_ways(axes: &[Axis]) -> Vec<Way> {
         }
         let far = |at: &usize| {
             let sizes = values[*at].iter().filter(|value| is_side(*at, **value)).map(|value| axes[*at].size(*value));
-            sizes.fold(0.0, f64::max)
+            sizes.fold(0.0, f64::greatest)
         };
-        let whole = changes.iter().map(far).fold(0.0, f64::max);
+        let whole = changes.iter().map(far).fold(0.0, f64::greatest);
         let mut points: Vec<(Vec<f64>, f64)> = Vec::new();
         for step in 1..=JOINT_STEPS {
             let share = whole * step as f64 / JOINT_STEPS as f64;
@@ -159,7 +161,7 @@ pub(super) fn joint_ways(axes: &[Axis]) -> Vec<Way> {
                 fitting.max_by(|a, b| axes[at].size(*a).total_cmp(&axes[at].size(*b))).unwrap_or(axes[at].base)
             };
             let point: Vec<f64> = (0..axes.len()).map(value).collect();
-            let size = axes.iter().zip(&point).map(|(axis, value)| axis.size(*value)).fold(0.0, f64::max);
+            let size = axes.iter().zip(&point).map(|(axis, value)| axis.size(*value)).fold(0.0, f64::greatest);
             let has_all = changes.iter().all(|at| point[*at] != axes[*at].base);
             if has_all && points.last().is_none_or(|(last, _)| *last != point) {
                 points.push((point, size));

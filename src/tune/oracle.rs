@@ -3,6 +3,7 @@
 use crate::analysis::watched_space;
 use crate::compile::NumberSetting;
 use crate::diagnostic::{Diagnostics, render};
+use crate::ir::Extremes;
 use crate::reach::query::{QueryError, Session};
 use crate::reach::{Conclusion, Luck, Verdict, improve_duration};
 use crate::sim::{Input, Script, Simulator};
@@ -211,7 +212,7 @@ impl<'h> Oracle<'h> {
         let &target = query.targets.first()?;
         let far = |index: usize| {
             let axes = self.question.axes.iter().zip(&self.found.trials[index].values).zip(values);
-            axes.map(|((axis, a), b)| (a - b).abs() / (axis.high - axis.low)).fold(0.0, f64::max)
+            axes.map(|((axis, a), b)| (a - b).abs() / (axis.high - axis.low)).fold(0.0, f64::greatest)
         };
         ways.sort_by(|(a, _), (b, _)| far(*a).total_cmp(&far(*b)));
         let sim = Simulator::new(&built.program, built.world);

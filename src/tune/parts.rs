@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::analysis::{ConfigurationSpace, Interval, ParamRange, Varied};
-use crate::ir::{EntityId, Expr, Id, IdVec, Layout, ParamId, Program, World, WorldId};
+use crate::ir::{EntityId, Expr, Extremes, Id, IdVec, Layout, ParamId, Program, World, WorldId};
 use crate::json;
 use crate::reach::query::ProofMethod;
 use crate::reach::{Conclusion, Limits, Monitor, Refutation, Target, search};
@@ -178,7 +178,7 @@ fn joined(parts: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut joined: Vec<(f64, f64)> = Vec::new();
     for &(from, to) in parts {
         match joined.last_mut() {
-            Some(last) if from <= last.1 => last.1 = last.1.max(to),
+            Some(last) if from <= last.1 => last.1 = last.1.greatest(to),
             _ => joined.push((from, to)),
         }
     }
@@ -198,7 +198,7 @@ fn range(low: &Built, high: &Built, axis: &Axis) -> Option<ParamRange> {
     let (a, b) = (default(low)?, default(high)?);
     let is_same = low.world == high.world
         && comparable(&low.program, world, (entity, param))? == comparable(&high.program, world, (entity, param))?;
-    is_same.then_some(ParamRange { entity, param, values: Interval { low: a.min(b), high: a.max(b) } })
+    is_same.then_some(ParamRange { entity, param, values: Interval { low: a.least(b), high: a.greatest(b) } })
 }
 
 /// A program as text, without the default of a parameter and the first values of instances, which follow from it.

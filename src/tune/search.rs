@@ -1,6 +1,7 @@
 //! The search for the smallest change: samples over the whole range, then ever closer between a value that turns the
 //! answer and one that does not.
 
+use crate::ir::Extremes;
 use crate::reach::Conclusion;
 
 use super::axis::{Way, joint_ways, single_ways};
@@ -55,7 +56,7 @@ fn withdraw(found: &mut Tuned, question: &Question) {
 /// The smallest change on some ways.
 fn smallest(oracle: &mut Oracle<'_>, ways: &[Way]) -> Option<Change> {
     let samples = oracle.question.samples.max(1);
-    let far = ways.iter().filter_map(|way| way.points.last()).map(|(_, size)| *size).fold(0.0, f64::max);
+    let far = ways.iter().filter_map(|way| way.points.last()).map(|(_, size)| *size).fold(0.0, f64::greatest);
     // The points of each way that were tried, with their trials.
     let mut tried: Vec<Vec<(usize, usize)>> = vec![Vec::new(); ways.len()];
     for level in 1..=samples {
@@ -134,7 +135,7 @@ fn is_proven_smallest(found: &Tuned, change: &Change, singles: &[Way]) -> bool {
                 smaller.next_back().map_or(base, |(point, _)| point[at])
             }
         };
-        let (low, high) = (base.min(end), base.max(end));
+        let (low, high) = (base.least(end), base.greatest(end));
         found.parts.iter().any(|Part { number, from, to }| *number == at && *from <= low && high <= *to)
     })
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use crate::analysis::watched_space;
-use crate::ir::{Bounds, Origin, Program, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId, World};
+use crate::ir::{Bounds, Extremes, Origin, Program, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId, World};
 use crate::reach::query::{Query, Session};
 use crate::reach::{Conclusion, Limits, Luck, Problem, Settings, Verdict, Visited, distance_to_goal, search};
 use crate::sim::{Script, Simulator};
@@ -303,7 +303,7 @@ impl Tiles<'_> {
                 let [x, y] = [0, 1].map(|axis| f64::from(place.at[axis] - middle[axis]));
                 x.hypot(y)
             });
-            let far = far.fold(f64::INFINITY, f64::min);
+            let far = far.fold(f64::INFINITY, f64::least);
             let left = distance_to_goal(&problem, &[Visited { parent: 0, space, at: middle }]).unwrap_or(0.0);
             if far.is_finite() {
                 order.push((far + left, edit));

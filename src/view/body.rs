@@ -1,8 +1,8 @@
 //! The initial shape of an instance: its colliders, where modes, parameters and its initial values determine them.
 
 use crate::ir::{
-    Bounds, Choice, Expr, ExprId, Id, ModeId, Program, Push, Slot, SlotId, Subject, TagSet, World, arithmetic, call,
-    compare,
+    Bounds, Choice, Expr, ExprId, Extremes, Id, ModeId, Program, Push, Slot, SlotId, Subject, TagSet, World,
+    arithmetic, call, compare,
 };
 
 use super::frame::{is_proper, moved, shared};
@@ -75,7 +75,7 @@ pub(super) fn outline(world: &World, parts: &[Part]) -> Vec<Part> {
 /// Whether a rectangle covers nearly all of another one.
 fn covers(body: Bounds, part: Bounds) -> bool {
     let common = shared(body, part);
-    let size = |b: Bounds| (b.right - b.left).max(0.0) * (b.top - b.bottom).max(0.0);
+    let size = |b: Bounds| (b.right - b.left).greatest(0.0) * (b.top - b.bottom).greatest(0.0);
     is_proper(common) && size(common) >= 0.6 * size(part)
 }
 

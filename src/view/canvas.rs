@@ -2,6 +2,8 @@
 //! smooth edges, images. Small enough to be our own: a library for vector graphics would cost more to build than the rest
 //! of the animation.
 
+use crate::ir::Extremes;
+
 /// A colour with the opacity from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Paint {
@@ -116,7 +118,7 @@ impl Canvas {
         dash: Option<usize>,
         paint: Paint,
     ) {
-        let thick = thickness.min((right - left) / 2.0).min((bottom - top) / 2.0).max(0.5);
+        let thick = thickness.least((right - left) / 2.0).least((bottom - top) / 2.0).greatest(0.5);
         let (left, top, right, bottom) = (left.round(), top.round(), right.round(), bottom.round());
         let sides = [
             [left, top, right, top + thick],
@@ -179,7 +181,7 @@ impl Canvas {
         let [left, top, right, bottom] = area.map(f64::round);
         let (columns, rows) = self.cells(area);
         let source = |at: usize, from: f64, to: f64, count: usize| {
-            let share = (at as f64 + 0.5 - from) / (to - from).max(1.0);
+            let share = (at as f64 + 0.5 - from) / (to - from).greatest(1.0);
             ((share * count as f64) as usize).min(count.saturating_sub(1))
         };
         for y in rows {

@@ -1,6 +1,6 @@
 //! The visible part of a space: its level, and as much of the activity around it as does not make the level small.
 
-use crate::ir::{Bounds, Origin, Program, SpaceId, World};
+use crate::ir::{Bounds, Extremes, Origin, Program, SpaceId, World};
 
 use super::body::{Body, placed, position};
 use super::frame::{grown, is_proper, shared};
@@ -48,7 +48,7 @@ impl Visits {
 pub(super) fn extent(program: &Program, world: &World, id: SpaceId, visits: &Visits, body: f64) -> Bounds {
     let view = content(program, world, id, visits, body);
     let is_map = world.spaces[id].map_rectangle() == Some(view);
-    at_least(grown(view, if is_map { 0.0 } else { (0.02 * longer(view)).max(body / 4.0) }), SIDE)
+    at_least(grown(view, if is_map { 0.0 } else { (0.02 * longer(view)).greatest(body / 4.0) }), SIDE)
 }
 
 /// The part of a space with something to see; `body` is the size of the player.
@@ -79,7 +79,7 @@ pub(super) fn content(program: &Program, world: &World, id: SpaceId, visits: &Vi
             let bounds = space.bounds.filter(|b| is_proper(*b));
             match (content, bounds) {
                 (Some(content), Some(bounds)) => {
-                    content.join(shared(bounds, grown(content, longer(content).max(SIDE))))
+                    content.join(shared(bounds, grown(content, longer(content).greatest(SIDE))))
                 }
                 (content, bounds) => content.or(bounds).unwrap_or(Bounds::new([0.0; 4])),
             }
@@ -89,15 +89,15 @@ pub(super) fn content(program: &Program, world: &World, id: SpaceId, visits: &Vi
 
 /// A rectangle with sides of a minimum length.
 fn at_least(view: Bounds, side: f64) -> Bounds {
-    let missing = |low: f64, high: f64| ((side - (high - low)) / 2.0).max(0.0);
+    let missing = |low: f64, high: f64| ((side - (high - low)) / 2.0).greatest(0.0);
     let (x, y) = (missing(view.left, view.right), missing(view.bottom, view.top));
     Bounds { left: view.left - x, right: view.right + x, bottom: view.bottom - y, top: view.top + y }
 }
 
 fn longer(b: Bounds) -> f64 {
-    (b.right - b.left).max(b.top - b.bottom)
+    (b.right - b.left).greatest(b.top - b.bottom)
 }
 
 fn shorter(b: Bounds) -> f64 {
-    (b.right - b.left).min(b.top - b.bottom)
+    (b.right - b.left).least(b.top - b.bottom)
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Bounds, Collider, Look, PlayerId, Program, SpaceId, TagSet, World};
+use crate::ir::{Bounds, Collider, Extremes, Look, PlayerId, Program, SpaceId, TagSet, World};
 use crate::sim::{Instance, Simulator};
 
 use super::appearance::{Appearance, Appearances, Role, for_players};
@@ -96,14 +96,14 @@ impl<'s> Film<'s> {
         let visits =
             |id: SpaceId| Visits { path: players.0.get(id.0 as usize).copied().flatten(), ..Visits::default() };
         let extents: Vec<Bounds> = world.spaces.ids().map(|id| content(program, world, id, &visits(id), 0.0)).collect();
-        let largest = |side: fn(&Bounds) -> f64| extents.iter().map(side).fold(1.0, f64::max);
+        let largest = |side: fn(&Bounds) -> f64| extents.iter().map(side).fold(1.0, f64::greatest);
         let (width, height) = (largest(|b| b.right - b.left), largest(|b| b.top - b.bottom));
         let most = options.size.map_or(TARGET, |(width, height)| (f64::from(width), f64::from(height)));
         let fits = |scale: u32| width * f64::from(scale) <= most.0 && height * f64::from(scale) <= most.1;
         let scale =
             options.scale.unwrap_or_else(|| (1..=MAX_SCALE).rev().find(|&scale| fits(scale)).unwrap_or(CAMERA_SCALE));
         let scale = f64::from(scale.max(1));
-        let side = |length: f64, most: f64| (length * scale).ceil().min(most).max(1.0) as usize;
+        let side = |length: f64, most: f64| (length * scale).ceil().least(most).greatest(1.0) as usize;
         let scheme = Scheme::new(options.is_dark);
         Film {
             sim,
@@ -225,7 +225,8 @@ impl<'s> Film<'s> {
             let kinds: Vec<Option<usize>> =
                 map.kinds.iter().map(|kind| self.appearances.of(kind.tags.iter().copied().collect())).collect();
             let range = |low: f64, high: f64, tile: f64, count: usize| {
-                ((low / tile).floor().max(0.0) as usize).min(count)..((high / tile).ceil().max(0.0) as usize).min(count)
+                ((low / tile).floor().greatest(0.0) as usize).min(count)
+                    ..((high / tile).ceil().greatest(0.0) as usize).min(count)
             };
             for row in range(place.view.bottom, place.view.top, map.tile.1, map.rows) {
                 for column in range(place.view.left, place.view.right, map.tile.0, map.columns) {
@@ -283,7 +284,7 @@ impl<'s> Film<'s> {
                     Form::Circle(center, radius) => {
                         let radius = radius * self.scale;
                         let (inner, opacity) = if border { (radius - 1.0, 1.0) } else { (0.0, 0.18) };
-                        self.canvas.disc(place.point(center), radius, inner.max(0.0), Paint { opacity, ..paint });
+                        self.canvas.disc(place.point(center), radius, inner.greatest(0.0), Paint { opacity, ..paint });
                     }
                 }
             }
@@ -313,8 +314,11 @@ impl<'s> Film<'s> {
         // Sensors are drawn over bodies.
         parts.sort_by_key(|(collider, _)| !pushes(world, collider.tags));
         let size = |b: &Bounds| (b.right - b.left) * (b.top - b.bottom);
-        let body =
-            parts.iter().filter(|(collider, _)| pushes(world, collider.tags)).map(|(_, b)| size(b)).fold(0.0, f64::max);
+        let body = parts
+            .iter()
+            .filter(|(collider, _)| pushes(world, collider.tags))
+            .map(|(_, b)| size(b))
+            .fold(0.0, f64::greatest);
         for (collider, bounds) in parts {
             let is_sensor = !pushes(world, collider.tags);
             // A sensor larger than the solid collider is a field of view.
@@ -342,7 +346,7 @@ impl<'s> Film<'s> {
                 if !is_outline {
                     self.canvas.disc(center, radius, 0.0, inside);
                 }
-                self.canvas.disc(center, radius, (radius - thick).max(0.0), edge);
+                self.canvas.disc(center, radius, (radius - thick).greatest(0.0), edge);
             } else if is_outline {
                 self.canvas.border(area, thick, Some(2), edge);
             } else {
@@ -380,10 +384,10 @@ impl Place {
     /// A rectangle in pixels, cut a little outside of the picture.
     fn area(self, b: Bounds) -> Area {
         let around = Bounds {
-            left: b.left.max(self.view.left - 64.0),
-            right: b.right.min(self.view.right + 64.0),
-            bottom: b.bottom.max(self.view.bottom - 64.0),
-            top: b.top.min(self.view.top + 64.0),
+            left: b.left.greatest(self.view.left - 64.0),
+            right: b.right.least(self.view.right + 64.0),
+            bottom: b.bottom.greatest(self.view.bottom - 64.0),
+            top: b.top.least(self.view.top + 64.0),
         };
         self.whole(around)
     }

@@ -1,7 +1,7 @@
 //! The transformation from the game to the picture: a rectangle of a space, scaled and flipped, since y points up in
 //! the game and down in SVG.
 
-use crate::ir::Bounds;
+use crate::ir::{Bounds, Extremes};
 
 /// A rectangle of the picture: its upper left corner and its size.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +75,7 @@ impl Frame {
                 continue;
             }
             let (a, b) = ((low - from[axis]) / way, (high - from[axis]) / way);
-            (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
+            (first, last) = (first.greatest(a.least(b)), last.least(a.greatest(b)));
         }
         let along = |part: f64| [from[0] + part * ways[0], from[1] + part * ways[1]];
         // Ends that are inside stay exactly where they are.
@@ -91,8 +91,8 @@ impl Frame {
 
     /// The visible part of a rectangle, if any.
     pub fn cut(&self, b: Bounds) -> Option<Rect> {
-        let [left, top] = self.point([b.left.max(self.view.left), b.top.min(self.view.top)]);
-        let [right, bottom] = self.point([b.right.min(self.view.right), b.bottom.max(self.view.bottom)]);
+        let [left, top] = self.point([b.left.greatest(self.view.left), b.top.least(self.view.top)]);
+        let [right, bottom] = self.point([b.right.least(self.view.right), b.bottom.greatest(self.view.bottom)]);
         (left < right && top < bottom).then_some(Rect { x: left, y: top, width: right - left, height: bottom - top })
     }
 }
@@ -100,10 +100,10 @@ impl Frame {
 /// The intersection of two rectangles; inverted if it is empty.
 pub(super) fn shared(a: Bounds, b: Bounds) -> Bounds {
     Bounds {
-        left: a.left.max(b.left),
-        right: a.right.min(b.right),
-        bottom: a.bottom.max(b.bottom),
-        top: a.top.min(b.top),
+        left: a.left.greatest(b.left),
+        right: a.right.least(b.right),
+        bottom: a.bottom.greatest(b.bottom),
+        top: a.top.least(b.top),
     }
 }
 

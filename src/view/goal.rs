@@ -2,7 +2,8 @@
 //! names.
 
 use crate::ir::{
-    Bounds, CompareOp, Expr, ExprId, IdVec, Predicate, Program, SlotId, SpaceId, Subject, TagSet, VarId, World,
+    Bounds, CompareOp, Expr, ExprId, Extremes, IdVec, Predicate, Program, SlotId, SpaceId, Subject, TagSet, VarId,
+    World,
 };
 
 use super::frame::{moved, shared};
@@ -105,7 +106,7 @@ impl Reader<'_> {
             Expr::Near { of, x, y, radius } if of == me => {
                 let (x, y, radius) = (self.constant(x)?, self.constant(y)?, self.constant(radius)?);
                 let at = [x + self.middle[0], y + self.middle[1]];
-                Some(vec![Area { space: None, form: Form::Circle(at, radius.max(0.0)) }])
+                Some(vec![Area { space: None, form: Form::Circle(at, radius.greatest(0.0)) }])
             }
             Expr::Compare(op, a, b) => {
                 let bounds = self.half_plane(op, a, b)?;

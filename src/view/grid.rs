@@ -1,7 +1,7 @@
 //! The arrangement of the panels, all at one scale: several spaces in rows of equal length; a long level folded into
 //! rows, a high one into columns.
 
-use crate::ir::{Bounds, TagId, TileMap};
+use crate::ir::{Bounds, Extremes, TagId, TileMap};
 
 /// Margin of the picture, and distance between panels.
 pub(super) const MARGIN: f64 = 20.0;
@@ -50,24 +50,24 @@ pub(super) fn folded(view: Bounds, map: Option<&TileMap<TagId>>) -> Option<(Fold
     let scale = |parts: usize| {
         let (count, margins) = (parts as f64, (parts - 1) as f64 * MARGIN);
         match fold {
-            Fold::Rows => (TARGET.0 * count / long).min((FOLDED - margins) / (count * short)),
-            Fold::Columns => (FOLDED.min(TARGET.1) * count / long).min((TARGET.0 - margins) / (count * short)),
+            Fold::Rows => (TARGET.0 * count / long).least((FOLDED - margins) / (count * short)),
+            Fold::Columns => (FOLDED.least(TARGET.1) * count / long).least((TARGET.0 - margins) / (count * short)),
         }
     };
     if long < LONG * short || scale(1) >= FOLD_BELOW {
         return None;
     }
-    let best = (1..=MAX_PARTS).map(scale).fold(0.0, f64::max).min(ENOUGH);
+    let best = (1..=MAX_PARTS).map(scale).fold(0.0, f64::greatest).least(ENOUGH);
     let parts = (1..=MAX_PARTS).find(|&parts| scale(parts) >= best).filter(|&parts| parts > 1)?;
     // Cuts go between tiles.
-    let tile = map.map_or(1.0, |map| if fold == Fold::Rows { map.tile.0 } else { map.tile.1 }).max(1.0);
+    let tile = map.map_or(1.0, |map| if fold == Fold::Rows { map.tile.0 } else { map.tile.1 }).greatest(1.0);
     let length = (long / parts as f64 / tile).ceil() * tile;
     let begin = if fold == Fold::Rows { view.left } else { view.bottom };
     let cuts = (0..parts).map(|part| (begin + part as f64 * length, begin + (part + 1) as f64 * length));
     let cuts = cuts.filter(|(from, _)| from - begin < long);
     let views = cuts.map(|(from, to)| match fold {
-        Fold::Rows => Bounds { left: from, right: to.min(view.right), ..view },
-        Fold::Columns => Bounds { bottom: from, top: to.min(view.top), ..view },
+        Fold::Rows => Bounds { left: from, right: to.least(view.right), ..view },
+        Fold::Columns => Bounds { bottom: from, top: to.least(view.top), ..view },
     });
     Some((fold, views.collect()))
 }
@@ -77,16 +77,16 @@ impl Grid {
     pub fn of_parts(fold: Fold, parts: &[Bounds]) -> Grid {
         let (mut widths, mut heights): (Vec<f64>, Vec<f64>) =
             parts.iter().map(|b| (b.right - b.left, b.top - b.bottom)).unzip();
-        let longest = |sizes: &[f64]| sizes.iter().copied().fold(1.0, f64::max);
+        let longest = |sizes: &[f64]| sizes.iter().copied().fold(1.0, f64::greatest);
         let margins = (parts.len().saturating_sub(1)) as f64 * MARGIN;
         let scale = match fold {
             Fold::Rows => {
                 widths = vec![longest(&widths)];
-                (TARGET.0 / widths[0]).min((FOLDED - margins) / heights.iter().sum::<f64>())
+                (TARGET.0 / widths[0]).least((FOLDED - margins) / heights.iter().sum::<f64>())
             }
             Fold::Columns => {
                 heights = vec![longest(&heights)];
-                (TARGET.1 / heights[0]).min((TARGET.0 - margins) / widths.iter().sum::<f64>())
+                (TARGET.1 / heights[0]).least((TARGET.0 - margins) / widths.iter().sum::<f64>())
             }
         };
         let scale = scale.clamp(0.01, MAX_SCALE);
@@ -101,22 +101,22 @@ impl Grid {
         let arranged = |count: usize| {
             let mut columns = vec![0.0f64; count];
             for (index, size) in sizes.iter().enumerate() {
-                columns[index % count] = columns[index % count].max(size.0);
+                columns[index % count] = columns[index % count].greatest(size.0);
             }
             let rows: Vec<f64> =
-                sizes.chunks(count).map(|row| row.iter().map(|size| size.1).fold(0.0, f64::max)).collect();
+                sizes.chunks(count).map(|row| row.iter().map(|size| size.1).fold(0.0, f64::greatest)).collect();
             (columns, rows)
         };
         let fit = |(columns, rows): &(Vec<f64>, Vec<f64>)| {
             let (width, height): (f64, f64) = (columns.iter().sum(), rows.iter().sum());
-            (TARGET.0 / width.max(1.0)).min(TARGET.1 / height.max(1.0))
+            (TARGET.0 / width.greatest(1.0)).least(TARGET.1 / height.greatest(1.0))
         };
         let all = (1..=sizes.len().max(1)).map(arranged);
         let best = all.reduce(|best, next| if fit(&next) > fit(&best) { next } else { best });
         let best = best.unwrap_or_default();
-        let longest = sizes.iter().map(|(width, height)| width.max(*height)).fold(1.0, f64::max);
+        let longest = sizes.iter().map(|(width, height)| width.greatest(*height)).fold(1.0, f64::greatest);
         let least = if views.len() > 1 { SMALL / longest } else { 0.0 };
-        let scale = fit(&best).max(least).min(MAX_SCALE);
+        let scale = fit(&best).greatest(least).least(MAX_SCALE);
         let scaled = |sizes: Vec<f64>| sizes.into_iter().map(|size| size * scale).collect();
         let heads = if views.len() > 1 { HEAD } else { 0.0 };
         Grid { columns: scaled(best.0), rows: scaled(best.1), scale, heads }

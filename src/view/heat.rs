@@ -3,6 +3,7 @@
 
 use super::frame::{Frame, Rect};
 use super::svg::{Number, box_data, put};
+use crate::ir::Extremes;
 
 /// Number of shades.
 pub(super) const LEVELS: usize = 7;
@@ -73,7 +74,7 @@ pub(super) fn opacity(level: usize) -> f64 {
 /// The runs of cells of the least side, px of the game, with which they are not too many.
 fn fitting(frame: &Frame, cell: f64, limit: usize, runs: impl Fn(f64) -> Vec<(usize, Rect)>) -> Vec<(usize, Rect)> {
     let area = (frame.view.right - frame.view.left) * (frame.view.top - frame.view.bottom);
-    let mut cell = cell.max(1.5 / frame.scale).max(libm::sqrt(area / MAX_CELLS));
+    let mut cell = cell.greatest(1.5 / frame.scale).greatest(libm::sqrt(area / MAX_CELLS));
     let mut found = runs(cell);
     while found.len() > limit.max(1) {
         cell *= 2.0;
@@ -107,8 +108,8 @@ struct Grid<T> {
 impl<T: Copy> Grid<T> {
     fn new(frame: &Frame, cell: f64, value: T) -> Self {
         let view = frame.view;
-        let columns = ((view.right - view.left) / cell).ceil().max(1.0) as usize;
-        let rows = ((view.top - view.bottom) / cell).ceil().max(1.0) as usize;
+        let columns = ((view.right - view.left) / cell).ceil().greatest(1.0) as usize;
+        let rows = ((view.top - view.bottom) / cell).ceil().greatest(1.0) as usize;
         Grid { cell, columns, rows, cells: vec![value; columns * rows] }
     }
 
@@ -131,8 +132,8 @@ impl<T: Copy> Grid<T> {
             for run in cells.chunk_by(|&a, &b| shade(a) == shade(b)) {
                 if let Some(shade) = shade(run[0]) {
                     let (x, y) = (column as f64 * side, row as f64 * side);
-                    let width = (run.len() as f64 * side).min(frame.width() - x);
-                    let rect = Rect { x, y, width, height: side.min(frame.height() - y) };
+                    let width = (run.len() as f64 * side).least(frame.width() - x);
+                    let rect = Rect { x, y, width, height: side.least(frame.height() - y) };
                     runs.push((shade, rect));
                 }
                 column += run.len();

@@ -2,6 +2,7 @@
 
 use super::frame::Rect;
 use super::svg::{BOLD, Number, escaped, put, text_width};
+use crate::ir::Extremes;
 
 /// Font size of names.
 pub(super) const SIZE: f64 = 11.0;
@@ -39,7 +40,7 @@ impl Labels {
         let (left, right) = (beside.x - GAP - width, beside.x + beside.width + GAP);
         let row = middle - width / 2.0;
         // A name above a subject at the edge moves inwards.
-        let inwards = row.clamp(0.0, (self.size.0 - width).max(0.0));
+        let inwards = row.clamp(0.0, (self.size.0 - width).greatest(0.0));
         let corners = [
             [row, over],
             [row, under],

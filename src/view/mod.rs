@@ -48,5 +48,6 @@ pub use look::Images;
 pub use palette::{ColorTable, Colors};
 pub use picture::{Node, Picture, PictureLayer, picture_svg};
 pub use record::Recorder;
+pub use svg::escaped;
 pub use track::{Mark, Part, Pose, Run, Stop, Track};
 pub use verdict_map::{Shade, VerdictMap, VerdictPanel, verdict_map_svg};

@@ -1,6 +1,6 @@
 //! The panel of a space, layer by layer: the level, the visits, the tree, the instances, the goal, the path, names.
 
-use crate::ir::{Bounds, Origin, Period, Program, SlotId, SpaceId, World, WorldId};
+use crate::ir::{Bounds, Extremes, Origin, Period, Program, SlotId, SpaceId, World, WorldId};
 
 use super::appearance::{Appearances, Role, for_players};
 use super::body::{Body, outline, placed, position, pushes};
@@ -67,8 +67,8 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
         region(out, "goal", frame, *form, *rect);
     }
     if visits.count > 0 {
-        let tile = space.map.as_ref().map_or(f64::MAX, |map| map.tile.0.min(map.tile.1));
-        let cell = (tile / CELLS).min(CELL / frame.scale);
+        let tile = space.map.as_ref().map_or(f64::MAX, |map| map.tile.0.least(map.tile.1));
+        let cell = (tile / CELLS).least(CELL / frame.scale);
         let (layers, limit) = (context.picture.layers, MAX_HEAT / context.visited);
         if layers.is_empty() {
             let nodes = context.picture.nodes.iter().filter(|node| node.space == id);
@@ -78,7 +78,7 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
                 let here = of.places.iter().filter(|(space, _)| *space == id);
                 here.map(move |(space, at)| (layer, placed_at(context, *space, *at)))
             });
-            heat::draw_layers(out, frame, (places, layers.len()), cell.max(LAYER_CELL), limit);
+            heat::draw_layers(out, frame, (places, layers.len()), cell.greatest(LAYER_CELL), limit);
         }
     }
     if let Some(map) = &space.map {
@@ -330,8 +330,8 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
 }
 
 fn union(a: Rect, b: Rect) -> Rect {
-    let (x, y) = (a.x.min(b.x), a.y.min(b.y));
-    let (right, bottom) = ((a.x + a.width).max(b.x + b.width), (a.y + a.height).max(b.y + b.height));
+    let (x, y) = (a.x.least(b.x), a.y.least(b.y));
+    let (right, bottom) = ((a.x + a.width).greatest(b.x + b.width), (a.y + a.height).greatest(b.y + b.height));
     Rect { x, y, width: right - x, height: bottom - y }
 }
 

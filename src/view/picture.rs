@@ -1,6 +1,6 @@
 //! The whole picture: a title with figures, a panel for each space or part of a long level, the legend.
 
-use crate::ir::{Bounds, GoalId, PlayerId, Program, SlotId, SpaceId, TagSet, World, WorldId};
+use crate::ir::{Bounds, Extremes, GoalId, PlayerId, Program, SlotId, SpaceId, TagSet, World, WorldId};
 
 use super::appearance::Appearances;
 use super::body::Body;
@@ -89,7 +89,7 @@ pub fn picture_svg(program: &Program, id: WorldId, picture: &Picture<'_>) -> Str
         picture.goals.iter().map(|id| Goal::new(program, world, &world.goals[*id], middle)).collect();
     let wanted = goals.iter().map(|goal| goal.tags).fold(TagSet::default(), TagSet::with);
     let routes = routes(program, world, picture.run);
-    let size = body.bounds().map_or(0.0, |b| (b.right - b.left).max(b.top - b.bottom));
+    let size = body.bounds().map_or(0.0, |b| (b.right - b.left).greatest(b.top - b.bottom));
     let (panels, fold) = panels(program, world, picture, (hero, middle, size), &routes);
     let views: Vec<Bounds> = panels.iter().map(|panel| panel.view).collect();
     let grid = match fold {
@@ -111,7 +111,7 @@ pub fn picture_svg(program: &Program, id: WorldId, picture: &Picture<'_>) -> Str
         visited: panels.iter().filter(|panel| panel.visits.count > 0).count().max(1),
         bounded: panels.iter().any(|panel| world.spaces[panel.space].bounds.is_some_and(|b| b != panel.view)),
     };
-    let width = grid.width().max(MIN_WIDTH);
+    let width = grid.width().greatest(MIN_WIDTH);
 
     let mut out = String::new();
     picture.images.define(&mut out);

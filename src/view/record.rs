@@ -1,7 +1,7 @@
 //! Records a run for a picture while it is simulated. The record stays small: standing still costs nothing, and a very
 //! long way is kept at larger and larger distances.
 
-use crate::ir::{SlotId, Space, VarId};
+use crate::ir::{Extremes, SlotId, Space, VarId};
 use crate::sim::{Input, Instance, PlayerInput, Simulator};
 
 use super::track::{Mark, Part, Pose, Run, Stop, Track};
@@ -85,7 +85,7 @@ impl<'s> Recorder<'s> {
         };
         let track = &mut self.run.tracks[open.track];
         let moved = distance(&self.sim.world().spaces[stop.space], open.last.at, stop.at);
-        let allowed = 2.0 * self.sim.world().step.seconds() * open.speed.max(speed);
+        let allowed = 2.0 * self.sim.world().step.seconds() * open.speed.greatest(speed);
         stop.jumps = open.last.space != stop.space || (moved > allowed && moved > allowed + size(&parts(instance)));
         if stop.jumps {
             end(track, open.last);
@@ -98,7 +98,7 @@ impl<'s> Recorder<'s> {
             track.poses.push(pose(instance));
         }
         if track.stops.len() > MAX_STOPS {
-            open.gap = (2.0 * open.gap).max(FIRST_GAP);
+            open.gap = (2.0 * open.gap).greatest(FIRST_GAP);
             thin(&mut track.stops, |stop| stop.jumps);
         }
         if track.poses.len() > MAX_POSES {
@@ -163,15 +163,15 @@ fn pose(instance: Instance<'_>) -> Pose {
 /// The longest side of all colliders.
 fn size(parts: &[Part]) -> f64 {
     let sides =
-        parts.iter().map(|part| (part.bounds.right - part.bounds.left).max(part.bounds.top - part.bounds.bottom));
-    sides.fold(0.0, f64::max)
+        parts.iter().map(|part| (part.bounds.right - part.bounds.left).greatest(part.bounds.top - part.bounds.bottom));
+    sides.fold(0.0, f64::greatest)
 }
 
 /// Whether an instance has moved by its own size times a factor since a pose, or has another shape.
 fn differs(last: &Pose, factor: f64, instance: Instance<'_>) -> bool {
     let (x, y) = instance.position();
     let (moved, own) = (far(last.at, [x, y]), size(&last.parts));
-    if moved >= factor * own.max(1.0) || last.space != instance.space() {
+    if moved >= factor * own.greatest(1.0) || last.space != instance.space() {
         return true;
     }
     let now = parts(instance);

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::ir::{Bounds, SpaceId, World};
+use crate::ir::{Bounds, Extremes, SpaceId, World};
 
 use super::body::outline;
 use super::frame::{Frame, Rect, moved};
@@ -197,10 +197,10 @@ fn around(world: &World, frame: &Frame, space: SpaceId, from: [f64; 2], to: [f64
     });
     let mut view = frame.view;
     if let Some(period) = periods[0] {
-        (view.left, view.right) = (view.left.max(period.low), view.right.min(period.high));
+        (view.left, view.right) = (view.left.greatest(period.low), view.right.least(period.high));
     }
     if let Some(period) = periods[1] {
-        (view.bottom, view.top) = (view.bottom.max(period.low), view.top.min(period.high));
+        (view.bottom, view.top) = (view.bottom.greatest(period.low), view.top.least(period.high));
     }
     let parts = [[from, [from[0] + way[0], from[1] + way[1]]], [[to[0] - way[0], to[1] - way[1]], to]];
     let seen = parts.into_iter().filter_map(|part| Frame { view, scale: frame.scale }.clip(part));
@@ -231,7 +231,7 @@ pub(super) fn ghosts(
         let shape = parts.iter().map(sides).fold(parts.len() as f64, sum);
         let whole = parts.iter().map(|part| part.bounds).reduce(Bounds::join);
         let size = whole.map_or([0.0; 2], |b| [b.right - b.left, b.top - b.bottom]);
-        let gap = size.map(|side| apart * side.max(4.0 / frame.scale));
+        let gap = size.map(|side| apart * side.greatest(4.0 / frame.scale));
         let is_near = |other: [f64; 2]| (0..2).all(|axis| (other[axis] - at[axis]).abs() < gap[axis]);
         if taken.iter().any(|(other, of)| *of == shape && is_near(*other)) {
             continue;

@@ -57,7 +57,7 @@ pub(super) fn styled_path(out: &mut String, class: &str, style: &str, data: &str
 }
 
 /// Text escaped for XML and its attributes; characters outside of XML become U+FFFD.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -1,7 +1,7 @@
 //! The tiles of a map: equal neighbours are merged into rectangles, and a map with very many small tiles is drawn
 //! coarser. Slopes are drawn as what is below their line. Tiles that can be broken have dashed outlines.
 
-use crate::ir::{Bounds, Slope, SpaceId, TagId, TagSet, TileMap};
+use crate::ir::{Bounds, Extremes, Slope, SpaceId, TagId, TagSet, TileMap};
 
 use super::appearance::{Appearances, Role};
 use super::frame::{Frame, shared};
@@ -49,7 +49,7 @@ pub(super) fn draw(
             box_data(&mut data, rect);
             if appearance.role == Role::OneWay {
                 let mut lip = rect;
-                lip.height = LIP.min(rect.height);
+                lip.height = LIP.least(rect.height);
                 box_data(&mut lips, lip);
             }
         }

@@ -1,7 +1,7 @@
 //! What a picture shows of a run, as plain data: the way of each instance that moves, its shape on the way, and the
 //! goals that were reached.
 
-use crate::ir::{Bounds, SlotId, SpaceId, TagSet};
+use crate::ir::{Bounds, Extremes, SlotId, SpaceId, TagSet};
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -95,8 +95,8 @@ impl Track {
         for run in self.stops.chunk_by(|a, b| a.space == b.space) {
             for axis in 0..2 {
                 let along = || run.iter().map(|stop| stop.at[axis]);
-                let (low, high) = (along().fold(f64::MAX, f64::min), along().fold(f64::MIN, f64::max));
-                extent = extent.max(high - low);
+                let (low, high) = (along().fold(f64::MAX, f64::least), along().fold(f64::MIN, f64::greatest));
+                extent = extent.greatest(high - low);
             }
         }
         extent

@@ -4,6 +4,7 @@
 
 use super::frame::Frame;
 use super::svg::{Number, put};
+use crate::ir::Extremes;
 
 /// The grid of line ends, in the picture.
 const GRID: f64 = 0.5;
@@ -45,7 +46,7 @@ fn data(segments: &[[GridPoint; 2]], (width, height): (f64, f64)) -> String {
         rest.zip(first..).find(|((_, drawn), _)| !**drawn).map(|(_, index)| index)
     };
     // Rounding must not leave the picture.
-    let place = |[x, y]: GridPoint| [(f64::from(x) * GRID).min(width), (f64::from(y) * GRID).min(height)];
+    let place = |[x, y]: GridPoint| [(f64::from(x) * GRID).least(width), (f64::from(y) * GRID).least(height)];
     for first in 0..segments.len() {
         if drawn[first] {
             continue;

@@ -3,6 +3,7 @@
 
 use super::style::STYLE;
 use super::svg::{Number, escaped, put, shortened, text_width};
+use crate::ir::Extremes;
 
 /// What came of a question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,9 +114,10 @@ pub fn verdict_map_svg(map: &VerdictMap) -> String {
     let columns = across.1.len().max(1);
     let rows = up.1.len().max(1);
     let cell = (ROOM / columns as f64).clamp(CELL.0, CELL.1).floor();
-    let left = up.1.iter().map(|value| text_width(value, 12.0)).fold(0.0, f64::max) + if rows > 1 { 14.0 } else { 0.0 };
+    let left =
+        up.1.iter().map(|value| text_width(value, 12.0)).fold(0.0, f64::greatest) + if rows > 1 { 14.0 } else { 0.0 };
     let (wide, high) = (cell * columns as f64, HEIGHT * rows as f64);
-    let width = (left + wide).max(460.0);
+    let width = (left + wide).greatest(460.0);
     let (mut out, mut y) = (String::new(), MARGIN + 16.0);
     put!(out, "<text class=\"title\" x=\"{MARGIN}\" y=\"{}\">{}</text>\n", Number(y), escaped(&map.title));
     y += 14.0;
@@ -212,7 +214,7 @@ pub fn verdict_map_svg(map: &VerdictMap) -> String {
         put!(out, "<text x=\"{}\" y=\"{}\">{} ({count})</text>\n", Number(MARGIN + 36.0), Number(y), shade.words());
     }
     let title_width = text_width(&map.title, 20.0) * 1.05;
-    let (width, height) = (Number((width.max(title_width) + 2.0 * MARGIN).ceil()), Number((y + MARGIN).ceil()));
+    let (width, height) = (Number((width.greatest(title_width) + 2.0 * MARGIN).ceil()), Number((y + MARGIN).ceil()));
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
          role=\"img\">\n<title>{}</title>\n<style>{STYLE}\n{COLORS}</style>\n\

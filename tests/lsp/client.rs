@@ -73,8 +73,12 @@ impl Client {
 
     /// An editor with options of its own, whose server does not wait before it analyses.
     pub fn start_with(disk: Arc<dyn Workspace>, capabilities: Value, options: Value, settings: Settings) -> Self {
+        Client::start_patient(disk, capabilities, options, Settings { debounce: Duration::ZERO, ..settings })
+    }
+
+    /// An editor whose server waits before it analyses, as its settings say.
+    pub fn start_patient(disk: Arc<dyn Workspace>, capabilities: Value, options: Value, settings: Settings) -> Self {
         let (ours, theirs) = Connection::memory();
-        let settings = Settings { debounce: Duration::ZERO, ..settings };
         let server = std::thread::spawn(move || Server::serve(theirs, disk, settings));
         let mut client = Client {
             connection: ours,
@@ -112,6 +116,16 @@ impl Client {
         let message = Request { id: id.clone(), method: method.into(), params };
         self.connection.sender.send(message.into()).unwrap();
         id
+    }
+
+    /// The next message of the server, if one comes in time.
+    pub fn receive(&self, timeout: Duration) -> Option<Message> {
+        self.connection.receiver.recv_timeout(timeout).ok()
+    }
+
+    /// The version of the document that changed last.
+    pub fn version(&self) -> i32 {
+        self.version
     }
 
     /// Waits until findings come for the newest state of a document.

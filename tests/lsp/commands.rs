@@ -89,6 +89,15 @@ fn commands_run_the_text_of_the_editor() {
     // The goal of the file on the disk is reached after a step or two.
     assert!(found["goals"][0]["steps"].as_u64().unwrap() >= 25, "{found}");
     assert_eq!(found["goals"][1]["kind"], "never");
+    // Pictures come on request, for each goal and for a run.
+    assert_eq!(found.get("pictures"), None);
+    let about = json!({ "uri": URI, "goals": ["there"], "picture": true });
+    let drawn = execute(&mut client, "hypedc.reach", about).unwrap();
+    assert_eq!(drawn["pictures"][0]["name"], "there");
+    assert!(drawn["pictures"][0]["svg"].as_str().unwrap().starts_with("<svg"), "{drawn}");
+    let about = json!({ "uri": URI, "inputs": "right*30", "picture": true });
+    let drawn = execute(&mut client, "hypedc.sim", about).unwrap();
+    assert!(drawn["pictures"][0]["svg"].as_str().unwrap().contains("30 steps"), "{drawn}");
     let by_lens = json!({ "command": "hypedc.reach", "arguments": [URI, "Road", "there"] });
     let by_lens = client.request("workspace/executeCommand", by_lens).unwrap();
     assert_eq!(by_lens["goals"][0]["inputs"], found["goals"][0]["inputs"]);
@@ -125,6 +134,23 @@ fn commands_run_the_text_of_the_editor() {
     client.change(URI, json!([{ "text": "entity A { mode a { when true -> nowhere } }" }]));
     let (_, why) = execute(&mut client, "hypedc.sim", json!({ "uri": URI })).unwrap_err();
     assert!(why.starts_with("/game/a.hyped:1: no mode named `nowhere`"), "{why}");
+    assert!(client.stop());
+}
+
+#[test]
+fn a_search_can_be_without_a_button() {
+    let text = "entity Hero {\n    button go\n    mode a {\n        when pressed(go) -> b\n    }\n    mode b { }\n}\n\n\
+                world W {\n    step 1/60\n    space main {\n        place hero: Hero at (0, 0)\n    }\n    \
+                player 1: hero\n    goal there: hero in b\n}\n";
+    let mut client = open(text);
+    let mut verdict = |without: Value| {
+        let about = json!({ "uri": URI, "goals": ["there"], "without": without, "nodes": 500 });
+        execute(&mut client, "hypedc.reach", about).map(|found| found["goals"][0]["verdict"].clone())
+    };
+    assert_eq!(verdict(Value::Null).unwrap(), "reached");
+    assert_ne!(verdict(json!("held(go)")).unwrap(), "reached");
+    let (_, why) = verdict(json!("held(leap)")).unwrap_err();
+    assert!(why.contains("no player of `W` has a button `leap`"), "{why}");
     assert!(client.stop());
 }
 

@@ -120,3 +120,34 @@ fn findings_of_files_that_are_not_open_are_shown_on_request() {
     assert_eq!(client.shown.get(&uri("good.hyped")), None);
     assert!(client.stop());
 }
+
+#[test]
+fn findings_name_the_pages_of_their_codes_where_the_client_has_some() {
+    let text = "entity A { mode a { when true -> nowhere } }\n";
+    let files = || std::sync::Arc::new(super::client::Memory::default());
+    let mut client = Client::start_with(files(), json!({}), json!(null), Settings::default());
+    client.open(&uri("a.hyped"), text);
+    client.settle();
+    assert_eq!(client.shown[&uri("a.hyped")][0].get("codeDescription"), None);
+    let page = client.request("hypedc/explain", json!({ "code": "E0201" })).unwrap();
+    assert!(page["markdown"].as_str().unwrap().starts_with("# E0201: "), "{page}");
+    let (_, why) = client.request("hypedc/explain", json!({ "code": "E9999" })).unwrap_err();
+    assert!(why.contains("no code `E9999`"), "{why}");
+    assert!(client.stop());
+
+    let options = json!({ "explainUri": "https://example.org/codes/{code}.html" });
+    let mut client = Client::start_with(files(), json!({}), options, Settings::default());
+    client.open(&uri("a.hyped"), text);
+    client.settle();
+    let found = client.shown[&uri("a.hyped")][0].clone();
+    assert_eq!(found["codeDescription"], json!({ "href": "https://example.org/codes/E0201.html" }));
+    // The finding of a code action is the same one.
+    let about = json!({
+        "textDocument": { "uri": uri("a.hyped") },
+        "range": found["range"],
+        "context": { "diagnostics": [found] },
+    });
+    let actions = client.request("textDocument/codeAction", about).unwrap();
+    assert_eq!(actions[0]["diagnostics"][0], found);
+    assert!(client.stop());
+}

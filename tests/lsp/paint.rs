@@ -146,3 +146,52 @@ fn a_painting_of_an_older_text_is_refused() {
     assert_eq!(code, -32800);
     assert!(client.stop());
 }
+
+/// The hover of a tile of the inline map.
+fn hover(client: &mut Client, row: usize, column: usize) -> String {
+    let line = inline().lines().position(|line| line.trim() == "........").unwrap() + row;
+    let position = json!({ "line": line, "character": 12 + column });
+    let about = json!({ "textDocument": { "uri": uri("a.hyped") }, "position": position });
+    let found = client.request("textDocument/hover", about).unwrap();
+    found["contents"]["value"].as_str().unwrap().to_string()
+}
+
+#[test]
+fn a_hover_tells_what_was_seen_of_a_tile() {
+    let mut client = start(&[]);
+    client.open(&uri("a.hyped"), &inline());
+    client.asked();
+    let plain = hover(&mut client, 1, 2);
+    assert!(plain.contains("column 2, row 1 of `W.main`") && !plain.contains("eached"), "{plain}");
+    client.request("hypedc/paint", about(json!({}))).unwrap();
+    let on_way = hover(&mut client, 1, 2);
+    assert!(on_way.contains("First reached at step") && on_way.contains(", on a way that was found;"), "{on_way}");
+    assert!(on_way.contains("Inputs that lead here: `right*"), "{on_way}");
+    let beyond = hover(&mut client, 1, 7);
+    assert!(beyond.contains("nodes of a search, which proves nothing."), "{beyond}");
+    let floor = hover(&mut client, 2, 0);
+    assert!(floor.contains("'#': wall") && floor.contains("A player stood on it."), "{floor}");
+    // What was seen is about the text as it was.
+    client.change(&uri("a.hyped"), json!([{ "text": format!("{}\n", inline()) }]));
+    assert!(!hover(&mut client, 1, 2).contains("eached"));
+    assert!(client.stop());
+}
+
+#[test]
+fn a_hover_offers_to_ask_about_a_tile() {
+    let capabilities = json!({ "experimental": { "commands": { "commands": ["hypedc.tile"] } } });
+    let settings = Settings { verdict_nodes: 2_000, ..Settings::default() };
+    let mut client = Client::start_with(Disk::new(&[]) as Arc<dyn Workspace>, capabilities, Value::Null, settings);
+    client.open(&uri("a.hyped"), &inline());
+    client.asked();
+    let offer = |hover: &str, title: &str| {
+        let link = hover.split_once(&format!("[{title}](command:hypedc.tile?")).expect(hover).1;
+        let json = percent_encoding::percent_decode_str(link.split_once(')').unwrap().0).decode_utf8().unwrap();
+        serde_json::from_str::<Value>(&json).unwrap()
+    };
+    let place = json!([uri("a.hyped"), "W", "main", 2, 1]);
+    assert_eq!(offer(&hover(&mut client, 1, 2), "Can one get here?"), place);
+    client.request("hypedc/paint", about(json!({}))).unwrap();
+    assert_eq!(offer(&hover(&mut client, 1, 2), "Play the inputs that lead here"), place);
+    assert!(client.stop());
+}

@@ -288,7 +288,11 @@ impl Generator<'_> {
             let entity = self.draw.pick(self.entities);
             let (x, y) = (40 + 20 * self.draw.pick(10), 32 + 10 * self.draw.pick(6));
             let size = 8 + self.draw.pick(20);
+            let y = if self.draw.chance(20) { "above wall".to_string() } else { y.to_string() };
             self.line(format!("place p{i}: E{entity} at ({x}, {y}) {{ size = {size} }}"));
+        }
+        if self.draw.chance(20) {
+            self.line("rect wall (-32, main.height, main.width + 64, 32)");
         }
         self.line("link rect(0, 0, 200, 200) -> other at rect(0, 0, 100, 100) when p0.count >= 1\n}");
         self.line(

@@ -32,6 +32,8 @@ pub struct Arena {
     pub body: [f64; 2],
     /// How its instances are placed: the text after them.
     pub settings: &'static str,
+    /// The rows of the map of the room that is written, the highest first.
+    map: Vec<String>,
 }
 
 /// The contents of a room.
@@ -75,6 +77,7 @@ impl Arena {
             last: (16.0, 16.0),
             body: [16.0; 2],
             settings: "",
+            map: Vec::new(),
         }
     }
 
@@ -233,6 +236,7 @@ impl Generator<'_> {
     }
 
     fn space(&mut self, name: &str, kind: Kind, frame: Frame) {
+        self.arena.map.clear();
         self.world_line(format!("space {name} {{"));
         let (width, height) = (self.arena.width(), self.arena.height());
         match kind {
@@ -376,10 +380,11 @@ impl Generator<'_> {
         if is_main && self.arena.has_boss && !lines.iter().any(|l| l.contains('s')) {
             lines[1].replace_range(1..2, "s");
         }
-        for line in lines {
-            let row = self.axes.row(&line, frame.tiles);
+        for line in &lines {
+            let row = self.axes.row(line, frame.tiles);
             self.world_line(row);
         }
+        self.arena.map = lines;
         for _ in 0..frame.tiles.1 {
             self.world_line(".".repeat(columns + frame.tiles.0 as usize));
         }
@@ -418,10 +423,35 @@ impl Generator<'_> {
             let by = [16.0, 0.0, -16.0, 24.0, 8.0, -8.0];
             (x, y) = (self.arena.last.0 + by[self.draw.pick(6)], self.arena.last.1 + by[self.draw.pick(5)]);
         }
+        let ground = self.ground(x).filter(|_| index > 0 && x % 24.0 == 0.0);
+        y = ground.unwrap_or(y);
         self.arena.last = (x, y);
         let settings = self.settings();
-        let (name, at) = (self.plans[plan].name.clone(), self.axes.point(x, y));
+        let at = match ground {
+            // In another frame the same place is a number.
+            Some(_) if self.axes.is_own() => format!("({}, above wall)", number(x)),
+            _ => self.axes.point(x, y),
+        };
+        let name = self.plans[plan].name.clone();
         self.world_line(format!("place p{index}: {name} at {at}{settings}"));
+    }
+
+    /// How high the lowest place above a wall is in the map, for what is as wide as a tile and begins at `x`.
+    fn ground(&self, x: f64) -> Option<f64> {
+        let tile = self.arena.tile;
+        let touched = |column: usize| (column as f64 + 1.0) * tile > x && (column as f64) * tile < x + tile;
+        let columns: Vec<usize> = (0..self.arena.columns).filter(|column| touched(*column)).collect();
+        let row = |up: usize| -> Vec<char> {
+            let row = self.arena.map.len().checked_sub(up + 1).map(|row| &self.arena.map[row]);
+            columns.iter().filter_map(|column| row?.chars().nth(*column)).collect()
+        };
+        // What tags these tiles have is drawn.
+        if (0..self.arena.map.len()).any(|up| row(up).iter().any(|c| matches!(c, 'b' | 'H'))) {
+            return None;
+        }
+        let is_wall = |up: usize| row(up).iter().any(|c| "#wr/dh".contains(*c));
+        let up = (1..=self.arena.map.len()).find(|up| is_wall(up - 1) && !is_wall(*up))?;
+        Some(up as f64 * tile)
     }
 
     /// The settings of an instance; sometimes none.

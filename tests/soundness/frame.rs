@@ -26,6 +26,11 @@ impl Axes {
         Axes { sign, offset: [own + f64::from(right) * tile, f64::from(up) * tile] }
     }
 
+    /// Whether all is written as it is.
+    pub fn is_own(self) -> bool {
+        self.sign > 0 && self.offset == [0.0; 2]
+    }
+
     fn of(self, variable: &str) -> Option<(i8, f64)> {
         match variable.trim_end_matches('\'') {
             "x" => Some((self.sign, self.offset[0])),

@@ -58,6 +58,20 @@ test('the server starts, and finds what hypedc check finds', function()
   agree(3)
 end)
 
+test('the finding at the cursor is explained', function()
+  vim.cmd.buffer(game)
+  local found = vim.diagnostic.get(game, { severity = vim.diagnostic.severity.ERROR })[1]
+  vim.api.nvim_win_set_cursor(0, { found.lnum + 1, found.col })
+  vim.cmd('HypedExplain')
+  wait_for('the page', function()
+    return vim.iter(vim.api.nvim_list_wins()):any(function(window)
+      local lines = vim.api.nvim_buf_get_lines(vim.api.nvim_win_get_buf(window), 0, -1, false)
+      return vim.api.nvim_win_get_config(window).relative ~= '' and table.concat(lines, '\n'):find(found.code, 1, true) ~= nil
+    end)
+  end)
+  vim.cmd('fclose!')
+end)
+
 test('findings go as soon as what was wrong is right, and others come', function()
   vim.cmd.buffer(slime)
   vim.cmd('silent %s/sise/size/')

@@ -140,6 +140,7 @@ syn region hypedSpace matchgroup=hypedBrace start=/{/ end=/}/ contained fold con
 
 syn match hypedPlace /\%(\%(^\|[{;}]\)\s*\)\@<=place\>\ze\s\+\K\k*\s*:/ contained
 syn match hypedPlace /\%(:\s*\K\k*\s\+\)\@<=at\>\ze\s*(/ contained
+syn match hypedPlace /\%(,\s*\)\@<=above\>\ze\s*\%("\|\K\)/ contained
 syn match hypedPlace /\%(\%(^\|[{;}]\)\s*\)\@<=\%(link\|bounds\)\s\+rect\>/ contained
 syn match hypedPlace /\%(\%(^\|[{;}]\)\s*\)\@<=wrap\>\ze\s\+\K/ contained
 syn match hypedPlace /\%(->\s*\K\k*\s\+\)\@<=at\s\+rect\>/ contained

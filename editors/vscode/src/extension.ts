@@ -4,14 +4,25 @@ import { readFile } from 'node:fs/promises';
 import { basename, dirname } from 'node:path';
 import { setTimeout } from 'node:timers/promises';
 import * as vscode from 'vscode';
-import { CloseAction, ErrorAction, ErrorCodes, LanguageClient, type LanguageClientOptions, type ServerOptions, TransportKind } from 'vscode-languageclient/node';
+import {
+  type ClientCapabilities,
+  CloseAction,
+  ErrorAction,
+  ErrorCodes,
+  LanguageClient,
+  type LanguageClientOptions,
+  type ServerOptions,
+  type StaticFeature,
+  TransportKind,
+} from 'vscode-languageclient/node';
 import { Charts } from './chart';
-import { page, reach, simulate, type Target, worldsOf } from './hypedc';
+import { Explanations } from './explain';
+import { picturesOf, type RunRecord, runText, type SearchRecord, searchText } from './answers';
+import { page, reach, worldsOf } from './hypedc';
 import { HypedServer, type Level, Levels, type World } from './server';
 import { Paints } from './paint';
 import { Tests } from './tests';
 import { Timelines } from './timeline';
-import { play } from './verdicts';
 
 /** A client without error messages of its own until the server has responded: `startServer` reports a failed start. */
 class Client extends LanguageClient {
@@ -33,6 +44,16 @@ class Client extends LanguageClient {
   }
 }
 
+/** Announces the commands of the editor that the server may name in its answers. */
+const commandsOfEditor: StaticFeature = {
+  fillClientCapabilities(capabilities: ClientCapabilities): void {
+    capabilities.experimental = { ...capabilities.experimental, commands: { commands: ['editor.action.triggerSuggest', 'hypedc.tile'] } };
+  },
+  initialize: () => undefined,
+  getState: () => ({ kind: 'static' }),
+  clear: () => undefined,
+};
+
 let client: Client | undefined;
 /** The log of the server. */
 let log: vscode.OutputChannel;
@@ -52,6 +73,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const timelines = new Timelines(server, levels);
   const charts = new Charts(server, timelines);
   const paints = new Paints(server);
+  const explanations = new Explanations(server);
   started.push(
     () => tests.listSoon(),
     () => timelines.restarted(),
@@ -65,6 +87,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     ...timelines.disposables,
     ...charts.disposables,
     ...paints.disposables,
+    ...explanations.disposables,
     vscode.commands.registerCommand('hypedc.paint', (uri?: string, world?: string) =>
       withWorld(uri, world, async (at, of) => {
         // An open map has nothing to paint without a level.
@@ -86,16 +109,16 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     // The server does not announce these commands: the client would register them a second time.
     vscode.commands.registerCommand('hypedc.check', (uri?: string) => check(uri)),
     vscode.commands.registerCommand('hypedc.sim', (uri?: string, world?: string, level?: GivenLevel) =>
-      simulateCommand(context, output, levels, { uri, world, level }),
+      simulateCommand(context, output, server, levels, { uri, world, level }),
     ),
     vscode.commands.registerCommand('hypedc.reach', (uri?: string, world?: string, name?: string, level?: GivenLevel, kind?: string) =>
-      reachCommand(levels, { uri, world, level, [kind === 'never' ? 'never' : 'goal']: name }),
+      reachCommand(server, levels, { uri, world, level, [kind === 'never' ? 'never' : 'goal']: name }),
     ),
     vscode.commands.registerCommand('hypedc.play', (uri: string, world: string, goal: string, level: GivenLevel, inputs: string) =>
-      playCommand(levels, { uri, world, level, goal }, inputs),
+      playCommand(server, levels, { uri, world, level, goal }, inputs),
     ),
     vscode.commands.registerCommand('hypedc.restart', restart),
-    vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration('hypedc.path') && restart()),
+    vscode.workspace.onDidChangeConfiguration((change) => (change.affectsConfiguration('hypedc.path') || change.affectsConfiguration('hypedc.workspaceDiagnostics')) && restart()),
     vscode.workspace.onDidChangeConfiguration((change) => change.affectsConfiguration('hypedc.verdicts') && configure()),
   );
   await restart();
@@ -133,7 +156,15 @@ async function startServer(): Promise<void> {
     diagnosticCollectionName: 'hypedc',
     outputChannel: log,
     // The commands of the server have the names of the extension's own.
-    initializationOptions: { ownCommands: true, verdicts: wantsVerdicts() },
+    initializationOptions: {
+      ownCommands: true,
+      verdicts: wantsVerdicts(),
+      workspaceDiagnostics: vscode.workspace.getConfiguration('hypedc').get<boolean>('workspaceDiagnostics', true),
+      // The code of a finding is a link to its page.
+      explainUri: 'command:hypedc.explain?%5B%22{code}%22%5D',
+    },
+    // Hovers of tiles ask about them.
+    markdown: { isTrusted: { enabledCommands: ['hypedc.tile'] } },
     middleware: {
       // VS Code already offers the extension's snippets: drop the server's duplicates.
       provideCompletionItem: async (document, position, context, token, next) => {
@@ -154,6 +185,7 @@ async function startServer(): Promise<void> {
     },
   };
   const starting = new Client('hypedc', 'Hyped', server, options);
+  starting.registerFeature(commandsOfEditor);
   const usual = starting.createDefaultErrorHandler();
   client = starting;
   const startup = starting.start();
@@ -194,16 +226,22 @@ async function showError(message: string): Promise<void> {
   if (answer === showLog) log.show();
 }
 
-/** The document of a URI, or else of the active editor; saves it first. */
+/** The document of a URI, or else of the active editor. */
 async function program(uri?: string | vscode.Uri): Promise<vscode.TextDocument | undefined> {
   const given = typeof uri === 'string' ? vscode.Uri.parse(uri) : uri;
   const document = given ? await vscode.workspace.openTextDocument(given) : vscode.window.activeTextEditor?.document;
-  if (document?.languageId !== 'hyped' || document.uri.scheme !== 'file') {
-    await vscode.window.showErrorMessage('Open a .hyped file first.');
-    return undefined;
+  if (document?.languageId === 'hyped') return document;
+  await vscode.window.showErrorMessage('Open a .hyped file first.');
+  return undefined;
+}
+
+/** A document as a file, for the command line: it is saved first. */
+async function saved(document: vscode.TextDocument): Promise<boolean> {
+  if (document.uri.scheme !== 'file') {
+    await vscode.window.showErrorMessage('Save the program in a file first.');
+    return false;
   }
-  if (document.isDirty && !(await document.save())) return undefined;
-  return document;
+  return !document.isDirty || document.save();
 }
 
 /** The world to run: undefined if the program has at most one, null if the user chose none. */
@@ -234,7 +272,7 @@ async function worldOf(server: HypedServer, uri?: string, name?: string): Promis
 
 async function check(uri?: string): Promise<void> {
   const document = await program(uri);
-  if (!document) return;
+  if (!document || !(await saved(document))) return;
   const folder = vscode.workspace.getWorkspaceFolder(document.uri);
   const task = new vscode.Task(
     { type: 'hypedc', file: document.uri.fsPath },
@@ -248,22 +286,33 @@ async function check(uri?: string): Promise<void> {
   await vscode.tasks.executeTask(task);
 }
 
-/** Runs a task. If it takes long, shows a progress notification whose cancel button aborts the signal. */
-async function withProgress<T>(title: string, work: (stop: AbortSignal) => Promise<T>): Promise<T | undefined> {
+/** How far work is, for a person. */
+type Tell = (message: string, percentage: number) => void;
+
+/** Runs a task. If it takes long, shows a progress notification whose button cancels it. */
+async function withProgress<T>(title: string, work: (token: vscode.CancellationToken, tell: Tell) => Promise<T>): Promise<T | undefined> {
   const options = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
-  const stop = new AbortController();
+  const stop = new vscode.CancellationTokenSource();
+  let show: Tell = () => undefined;
   try {
-    const working = work(stop.signal);
+    const working = work(stop.token, (message, percentage) => show(message, percentage));
     // No notification for a quick task: it would only flash.
     const isQuick = await Promise.race([working.then(() => true), setTimeout(500, false)]);
     if (isQuick) return await working;
-    return await vscode.window.withProgress(options, (_, token) => {
-      token.onCancellationRequested(() => stop.abort());
+    return await vscode.window.withProgress(options, (progress, token) => {
+      token.onCancellationRequested(() => stop.cancel());
+      let last = 0;
+      show = (message, percentage) => {
+        progress.report({ message, increment: Math.max(0, percentage - last) });
+        last = Math.max(last, percentage);
+      };
       return working;
     });
   } catch (error) {
-    await showError(`\`${command()}\` could not be run: ${String(error)}`);
+    if (!stop.token.isCancellationRequested) await vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
     return undefined;
+  } finally {
+    stop.dispose();
   }
 }
 
@@ -279,43 +328,54 @@ interface Given {
 /** The level of a lens: one that was chosen, or `ask` if none was. */
 type GivenLevel = Level | 'ask' | null;
 
-/** What a command is about: saves the document, and asks for what is not given. Undefined if the user chose none. */
-async function targetOf(levels: Levels, given: Given): Promise<(Target & { document: vscode.TextDocument }) | undefined> {
+/** What a command of the server is about. */
+interface About {
+  uri: string;
+  world?: string;
+  level?: Level;
+}
+
+/** What a command is about: asks for what is not given. Undefined if the user chose none. */
+async function targetOf(levels: Levels, given: Given): Promise<{ document: vscode.TextDocument; about: About } | undefined> {
   const document = await program(given.uri);
   if (!document) return undefined;
   const world = await chooseWorld(document, given.world);
   if (world === null) return undefined;
   const named = world ?? worldsOf(document.getText())[0];
-  // Without the server nothing is known of levels.
-  const level = named ? await levels.for(document.uri.toString(), named, given.level).catch(() => undefined) : undefined;
+  const uri = document.uri.toString();
+  const level = named ? await levels.for(uri, named, given.level).catch(() => undefined) : undefined;
   if (level === null) return undefined;
-  return { document, file: document.uri.fsPath, world, goal: given.goal, never: given.never, level };
+  return { document, about: { uri, ...(named ? { world: named } : {}), ...(level ? { level } : {}) } };
 }
 
-async function simulateCommand(context: vscode.ExtensionContext, output: vscode.OutputChannel, levels: Levels, given: Given): Promise<void> {
+async function simulateCommand(context: vscode.ExtensionContext, output: vscode.OutputChannel, server: HypedServer, levels: Levels, given: Given): Promise<void> {
   const target = await targetOf(levels, given);
   if (!target) return;
-  const key = `inputs ${target.document.uri.toString()} ${target.world ?? ''}`;
-  const script = await vscode.window.showInputBox({
+  const key = `inputs ${target.about.uri} ${target.about.world ?? ''}`;
+  const inputs = await vscode.window.showInputBox({
     title: 'Which inputs?',
     prompt: 'Steps separated by blanks: right*40 right+jump*12 -*10',
     value: context.workspaceState.get<string>(key, '-*60'),
   });
-  if (script === undefined) return;
-  await context.workspaceState.update(key, script);
-  const outcome = await withProgress('Simulating', (stop) => simulate(command(), target, script, stop));
-  if (!outcome) return;
-  output.appendLine(outcome.text);
+  if (inputs === undefined) return;
+  await context.workspaceState.update(key, inputs);
+  const run = await withProgress('Simulating', (token, tell) => server.execute<RunRecord>('hypedc.sim', { ...target.about, inputs }, token, tell));
+  if (!run) return;
+  output.appendLine(runText(run));
   output.show(true);
 }
 
 /** Shows the run of inputs that were found. */
-async function playCommand(levels: Levels, given: Given, inputs: string): Promise<void> {
+async function playCommand(server: HypedServer, levels: Levels, given: Given, inputs: string): Promise<void> {
   const target = await targetOf(levels, given);
   if (!target) return;
-  const title = `Play ${given.goal ?? target.world ?? ''}`;
-  const html = await withProgress(title, (stop) => play(command(), target, inputs, title, stop));
-  if (html) show(JSON.stringify([target.document.uri.toString(), target.world, 'play', given.goal]), title, html);
+  const { uri, world } = target.about;
+  const title = `Play ${given.goal ?? world ?? ''}`;
+  const about = { ...target.about, inputs, picture: true };
+  const run = await withProgress(title, (token, tell) => server.execute<RunRecord>('hypedc.sim', about, token, tell));
+  if (!run) return;
+  const text = `${runText(run)}\n\ninputs  ${inputs}`;
+  show(JSON.stringify([uri, world, 'play', given.goal]), title, page(title, { text, pictures: picturesOf(run) }));
 }
 
 /** The open panels, by document, world and goal. */
@@ -334,13 +394,24 @@ function show(key: string, title: string, html: string): void {
   panel.webview.html = html;
 }
 
-async function reachCommand(levels: Levels, given: Given): Promise<void> {
+/** Searches in the texts of the editor; with additional arguments of the command line, in the saved file. */
+async function reachCommand(server: HypedServer, levels: Levels, given: Given): Promise<void> {
   const target = await targetOf(levels, given);
   if (!target) return;
-  const { document, file, world, goal, never } = target;
+  const { document, about } = target;
+  const { goal, never } = given;
   const extra = vscode.workspace.getConfiguration('hypedc', document).get<string[]>('reach.arguments', []);
-  const title = `Reach ${goal ?? never ?? world ?? basename(file)}`;
-  const found = await withProgress(title, (stop) => reach(command(), target, extra, stop));
-  if (!found) return;
-  show(JSON.stringify([document.uri.toString(), world, goal ?? never]), title, page(title, found));
+  const title = `Reach ${goal ?? never ?? about.world ?? basename(document.uri.path)}`;
+  if (extra.length > 0 && !(await saved(document))) return;
+  const found = await withProgress(title, async (token, tell) => {
+    if (extra.length > 0) {
+      const stop = new AbortController();
+      token.onCancellationRequested(() => stop.abort());
+      return reach(command(), { file: document.uri.fsPath, goal, never, ...about }, extra, stop.signal);
+    }
+    const asked = { ...about, picture: true, ...(goal ? { goals: [goal] } : {}), ...(never ? { nevers: [never] } : {}) };
+    const record = await server.execute<SearchRecord>('hypedc.reach', asked, token, tell);
+    return { text: searchText(record), pictures: picturesOf(record) };
+  });
+  if (found) show(JSON.stringify([about.uri, about.world, goal ?? never]), title, page(title, found));
 }

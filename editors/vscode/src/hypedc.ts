@@ -71,32 +71,6 @@ export function run(command: string, args: string[], file: string, stop?: AbortS
   });
 }
 
-/** Runs the inputs of a script. */
-export function simulate(command: string, target: Target, script: string, stop?: AbortSignal): Promise<Outcome> {
-  const { file, world, level } = target;
-  return run(command, ['sim', ...targetArguments({ file, world, level }), '--inputs', script], file, stop);
-}
-
-/** Runs the inputs of a script, and reads the picture of the run. */
-export async function draw(
-  command: string,
-  target: Target,
-  script: string,
-  stop?: AbortSignal,
-): Promise<Outcome & { pictures: Picture[] }> {
-  const folder = await mkdtemp(join(tmpdir(), 'hypedc-'));
-  try {
-    const { file, world, level } = target;
-    const path = join(folder, 'run.svg');
-    const args = ['sim', ...targetArguments({ file, world, level }), '--inputs', script, '--svg', path];
-    const outcome = await run(command, args, file, stop);
-    const svg = await readFile(path, 'utf8').catch(() => undefined);
-    return { ...outcome, pictures: svg === undefined ? [] : [{ title: target.goal ?? basename(file), svg }] };
-  } finally {
-    await rm(folder, { recursive: true, force: true });
-  }
-}
-
 /** Searches, and reads the pictures: one per goal. */
 export async function reach(
   command: string,

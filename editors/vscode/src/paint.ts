@@ -174,7 +174,8 @@ export class Paints {
       this.hovers?.dispose();
       this.hovers = undefined;
     } else {
-      this.hovers ??= vscode.languages.registerHoverProvider([{ language: 'hyped' }, { pattern: '**/*.txt' }], {
+      // In programs, the hovers of the server tell of tiles.
+      this.hovers ??= vscode.languages.registerHoverProvider([{ pattern: '**/*.txt' }], {
         provideHover: (document, position) => this.hover(document, position),
       });
     }

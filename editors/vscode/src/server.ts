@@ -164,6 +164,11 @@ export class HypedServer {
     return this.running().sendRequest<TileAnswer>('hypedc/wayTo', { textDocument: { uri }, ...about });
   }
 
+  /** The page of a code. */
+  explain(code: string): Promise<{ code: string; title: string; markdown: string }> {
+    return this.running().sendRequest('hypedc/explain', { code });
+  }
+
   /** The page of a play session. */
   page(): Promise<string> {
     return this.running().sendRequest<string>('hypedc/page');

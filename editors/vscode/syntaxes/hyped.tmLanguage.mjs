@@ -234,6 +234,11 @@ const repository = {
     patterns: [
       ...use('comments', 'map-text'),
       groups(r`${START}(place)\s+(${NAME})\s*(:)\s*(${NAME})\s+(at)\b`, 'keyword.control', 'variable.other', 'punctuation.separator', 'entity.name.type', 'keyword.control'),
+      between(r`(?<=\bat)\s*(\()`, ['punctuation.section.parens.begin'], r`(\))|(?=[{}])`, ['punctuation.section.parens.end'], [
+        groups(r`(?:^|(?<=,))\s*(above)\s*("[^"]*")`, 'keyword.control', 'string.quoted.double.tag'),
+        groups(r`(?:^|(?<=,))\s*(above)\s+(${NAME})`, 'keyword.control', 'entity.name.tag'),
+        ...use('expression'),
+      ]),
       groups(r`${START}(link)\s+(rect)\b`, 'keyword.control', 'storage.type'),
       groups(r`(->)\s*(${NAME})\s+(at)\s+(rect)\b`, 'keyword.operator.arrow', 'entity.name.namespace', 'keyword.control', 'storage.type'),
       groups(r`${START}(bounds)\s+(rect)\b`, 'keyword.control', 'storage.type'),

@@ -17,6 +17,8 @@ const here = join(import.meta.dirname, '..');
 const manifest = JSON.parse(readFileSync(join(here, 'package.json'), 'utf8'));
 
 const clients = [];
+/** The requests to the server. */
+const asked = [];
 let begin = async () => {};
 const client = {
   CloseAction: { DoNotRestart: 1 },
@@ -38,6 +40,22 @@ const client = {
       return this.stop();
     }
     createDefaultErrorHandler() {}
+    registerFeature(feature) {
+      this.features = [...(this.features ?? []), feature];
+    }
+    isRunning() {
+      return !this.stopped;
+    }
+    onProgress() {
+      return { dispose() {} };
+    }
+    async sendRequest(method, about) {
+      asked.push([method, about]);
+      if (method === 'hypedc/levels') return { isOpen: false, chosen: null, levels: [] };
+      const [{ uri, world }] = about.arguments;
+      const run = { file: new URL(uri).pathname, world, inputs: '', steps: 2, seconds_of_play: 2 / 60, end: null };
+      return { ...run, instances: [], goals: [], nevers: [], broken: null };
+    }
   },
 };
 
@@ -62,7 +80,20 @@ test('all commands are there, and the server is started', () => {
   assert.ok(clients[0].options.documentSelector.every(({ language }) => language === 'hyped'));
 });
 
-test('a code lens searches, and the picture opens beside the text', async () => {
+test('the client announces the commands that the server may name', () => {
+  const capabilities = {};
+  clients[0].features.forEach((feature) => feature.fillClientCapabilities(capabilities));
+  assert.deepEqual(capabilities.experimental.commands.commands, ['editor.action.triggerSuggest', 'hypedc.tile']);
+  const { workspaceDiagnostics, ownCommands, explainUri } = clients[0].options.initializationOptions;
+  assert.deepEqual([workspaceDiagnostics, ownCommands], [true, true]);
+  // What VS Code makes of a link to a command.
+  const { path, query } = vscode.Uri.parse(explainUri.replace('{code}', 'E0201'));
+  assert.deepEqual([path, JSON.parse(query)], ['hypedc.explain', ['E0201']]);
+  assert.equal(manifest.contributes.configurationDefaults['[hyped]']['editor.formatOnType'], true);
+});
+
+test('with arguments of its own a search runs on the command line, and the picture opens beside the text', async () => {
+  answers.settings['reach.arguments'] = ['--nodes', '100000'];
   await call('hypedc.reach', pathToFileURL(link).href, 'Dungeon', 'unlocked');
   const [panel] = seen.panels.splice(0);
   assert.equal(panel.title, 'Reach unlocked');
@@ -82,6 +113,9 @@ test('a code lens simulates what is typed, which is remembered', async () => {
   await call('hypedc.sim', pathToFileURL(link).href, 'Dungeon');
   assert.match(seen.output.get('Hyped'), /world Dungeon: 2 steps/);
   assert.deepEqual([...state.values()], ['-*2']);
+  // The server is asked, which has the text of the editor.
+  const [method, { command, arguments: [about] }] = asked.at(-1);
+  assert.deepEqual([method, command, about], ['workspace/executeCommand', 'hypedc.sim', { uri: pathToFileURL(link).href, world: 'Dungeon', inputs: '-*2' }]);
 });
 
 test('without a world one is asked for where there are several', async () => {
@@ -118,7 +152,7 @@ test('a path that is not there is told, and a new one starts the server anew', a
   const path = join(root, 'no/such/command');
   answers.settings.path = path;
   await call('hypedc.reach', pathToFileURL(link).href, 'Dungeon', 'unlocked');
-  assert.match(seen.errors.splice(0).join(), /could not be run: .*ENOENT/);
+  assert.match(seen.errors.splice(0).join(), /ENOENT/);
   begin = async () => {
     throw new Error('no such command');
   };

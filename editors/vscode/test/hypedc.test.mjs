@@ -6,7 +6,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { page, reach, run, simulate, worldsOf } from '../dist/hypedc.mjs';
+import { page, reach, run, worldsOf } from '../dist/hypedc.mjs';
 
 const hypedc = process.env.HYPEDC ?? 'hypedc';
 const root = join(import.meta.dirname, '../../..');
@@ -41,12 +41,6 @@ test('a search can be stopped, and tells what it has', { timeout: 60_000 }, asyn
   const found = await reach(hypedc, { file: join(root, 'examples/paper/test1.hyped') }, endless, stop.signal);
   assert.equal(found.code, 1, found.text);
   assert.match(found.text, /stopped before the budget of nodes was spent/);
-});
-
-test('a simulation ends where the inputs lead', async () => {
-  const found = await simulate(hypedc, { file, world: 'Dungeon' }, '-*2');
-  assert.equal(found.code, 0, found.text);
-  assert.match(found.text, /world Dungeon: 2 steps/);
 });
 
 test('a command that is not there is told', async () => {

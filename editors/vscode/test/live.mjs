@@ -1,4 +1,5 @@
-// What the text shows of itself: a verdict above a goal, which an edit turns, with what it breaks; and a map that is painted.
+// What the text shows of itself: a verdict above a goal, which an edit turns, with what it breaks; a map that is painted;
+// findings of programs that are not open, the page of a code, a list that opens again, a layout while one types.
 
 const CAVE = `/// Walks, and jumps.
 entity Walker {
@@ -54,7 +55,8 @@ world Cave {
 }
 `;
 
-async function tour({ page, keyboard, see, look, command, open, go, type }) {
+async function tour(bench) {
+  const { page, keyboard, see, look, command, open, go, type } = bench;
   await command('View: Close All Editors');
   await open('0cave.hyped');
   const lens = (text) => page.locator('.codelens-decoration a', { hasText: text }).first();
@@ -87,7 +89,8 @@ async function tour({ page, keyboard, see, look, command, open, go, type }) {
   await look('painted');
   await go(40, 25);
   await command('Show or Focus Hover');
-  await see('.monaco-hover', 'first reached at step');
+  await see('.monaco-hover', 'First reached at step');
+  await see('.monaco-hover', 'Play the inputs that lead here');
   await look('painted-tile');
   await keyboard.press('Escape');
   await command('Preferences: Toggle between Light/Dark Themes');
@@ -100,6 +103,48 @@ async function tour({ page, keyboard, see, look, command, open, go, type }) {
   const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
   await shown.getByText('goal ledge: reached').waitFor();
   await look('verdict-played');
+  await announced(bench);
 }
 
-export const live = { files: { '0cave.hyped': CAVE }, tour };
+const BROKEN = `entity Ghost {
+    button boo
+    mode calm {
+        when pressed(boo) -> nowhere
+    }
+}
+`;
+
+/** What VS Code gets from the server only since the extension asks for it. */
+async function announced({ page, keyboard, see, look, command, open, go, type }) {
+  await command('View: Close All Editors');
+  // The finding of a program that was never opened.
+  await command('Problems: Focus on Problems View');
+  await see('.markers-panel', 'no mode named `nowhere`');
+  await look('closed');
+  // Its code is a link to its page.
+  const code = page.locator('.markers-panel .monaco-list-row', { hasText: 'nowhere' }).locator('a', { hasText: 'E0201' }).first();
+  await code.click({ modifiers: ['Control'] });
+  const shown = page.frameLocator('iframe.webview').frameLocator('#active-frame');
+  await shown.getByRole('heading', { name: 'E0201' }).waitFor();
+  await look('explained');
+  await command('View: Close All Editors');
+  await command('View: Toggle Panel Visibility');
+
+  // The list of buttons opens once `pressed(` is accepted.
+  await open('0broken.hyped');
+  await go(4, 37);
+  await keyboard.press('Enter');
+  await type('when pres');
+  await page.locator('.suggest-widget.visible .monaco-list-row', { hasText: 'pressed' }).first().waitFor();
+  await keyboard.press('Tab');
+  await page.locator('.suggest-widget.visible .monaco-list-row', { hasText: 'boo' }).first().waitFor();
+  await look('list-again');
+  await keyboard.press('Escape');
+  await keyboard.press('Escape');
+  // A closing brace puts its block into its layout.
+  await keyboard.press('Control+End');
+  await type('entity Other {\nmode   only   {\n}');
+  await see('.view-line', 'mode only {');
+}
+
+export const live = { files: { '0cave.hyped': CAVE, '0broken.hyped': BROKEN }, tour };

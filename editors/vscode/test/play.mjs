@@ -57,21 +57,21 @@ world Gap {
 }
 `;
 
-/** The names of five mistakes, and the right ones. */
+/** Four mistakes, each to be mended in its own way, and a number without a name. */
 const MISTAKES = `entity Ball {
     param weight = 3
-    button throw_it
-    continuous spin = 0
+    discrete lives: int = 3
+    button leap
 
     collider body: rect(0, 0, 8, 8)
 
     mode resting {
-        when pressed(throw_itt) -> flyng
+        x' = 0
+        when pressed(leap) and x < 120 -> flying { lives := 9 }
     }
     mode flying {
-        y'' = -weigth
-        spin = spinn + 1
-        when touching(body, wall) -> resting
+        y'' = -300
+        when touching(body, wall) -> sliding
     }
 }
 
@@ -79,11 +79,27 @@ world Hall {
     collide body with wall: block
     space main {
         rect wall (0, 0, 64, 8)
-        place ball: Boll at (0, 32)
+        place ball: Ball at (0, 32)
+        place gem: Gem at (32, 32)
     }
     player 1: ball
 }
 `;
+
+const GEM = `/// Lies there.
+entity Gem {
+    collider body: rect(0, 0, 8, 8)
+}
+`;
+
+/** Where the cursor is put, the action that is chosen, and what the text has then. */
+const ACTIONS = [
+  { line: 'touching(body, wall)', at: 'sliding', action: 'declare `mode sliding`', makes: 'mode sliding {' },
+  { line: 'discrete lives', at: '= 3', action: 'write `int 0..9`', makes: 'int 0..9 = 3' },
+  { line: 'place gem', at: 'Gem', action: 'import `0gem.hyped`', makes: 'import "0gem.hyped"' },
+  { line: 'param weight', at: 'weight', action: 'remove the parameter', removes: 'param weight' },
+  { line: 'pressed(leap)', at: '120', action: 'extract a parameter', removes: 'x < 120' },
+];
 
 /** The text of a line of the editor, with its inlay hints. */
 const lineText = async (page, has) => (await page.locator('.view-line', { hasText: has }).first().innerText()).replaceAll('\u00a0', ' ');
@@ -163,34 +179,35 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   await look('chart');
   await command('View: Close All Editors');
 
-  // Five mistakes and their fixes.
+  // Five code actions: a mode that is missing, a range, an import, what nothing reads, a number that gets a name.
   await page.locator('.activitybar [aria-label^="Explorer"]').first().click();
   await open('0ball.hyped');
   await see('.squiggly-error');
-  for (const [line, column, wrong, right] of [
-    [9, 25, 'throw_itt', 'throw_it'],
-    [9, 38, 'flyng', 'flying'],
-    [12, 17, 'weigth', 'weight'],
-    [13, 18, 'spinn', 'spin'],
-    [22, 22, 'Boll', 'Ball'],
-  ]) {
-    await go(line, column);
+  const rows = (hasText) => page.locator('.view-line', { hasText });
+  for (const { line, at, action, makes, removes } of ACTIONS) {
+    await rows(line).first().click();
+    // To the first character of the line, and from there to the place.
+    const text = (await lineText(page, line)).trim();
+    await keyboard.press('End');
+    await keyboard.press('Home');
+    for (let step = 0; step < text.indexOf(at); step++) await keyboard.press('ArrowRight');
     // Findings of the text of before have no fixes.
-    await until(`a fix of ${wrong}`, async () => {
+    await until(action, async () => {
       await keyboard.press('Control+.');
-      const row = page.locator('.action-widget .monaco-list-row', { hasText: right }).first();
+      const row = page.locator('.action-widget .monaco-list-row', { hasText: action }).first();
       const isSeen = await row.waitFor({ timeout: 2000 }).then(() => true, () => false);
       if (!isSeen) await keyboard.press('Escape');
       return isSeen;
     });
-    if (line === 12) await look('fixes');
+    await look(`action-${action.split(' ')[0]}`);
     const focused = page.locator('.action-widget .monaco-list-row.focused');
-    for (let tries = 0; tries < 20 && !(await focused.innerText()).includes(right); tries++) await keyboard.press('ArrowDown');
+    for (let tries = 0; tries < 20 && !(await focused.innerText()).includes(action); tries++) await keyboard.press('ArrowDown');
     await keyboard.press('Enter');
-    await until(`no ${wrong}`, async () => (await page.locator('.view-line', { hasText: wrong }).count()) === 0);
+    if (makes) await rows(makes).first().waitFor();
+    if (removes) await until(`no ${removes}`, async () => (await rows(removes).count()) === 0);
   }
   await gone('.squiggly-error');
   await look('fixed');
 }
 
-export const play = { files: { '0walk.hyped': WALK, '0ball.hyped': MISTAKES }, tour };
+export const play = { files: { '0walk.hyped': WALK, '0ball.hyped': MISTAKES, '0gem.hyped': GEM }, tour };

@@ -46,6 +46,8 @@ world Cave {
 }
 `);
 
+const closed = write('closed.hyped', 'entity A { mode a { when true -> nowhere } }\n');
+
 vscode.workspace.workspaceFolders = [{ uri: vscode.Uri.file(folder), name: 'slimes', index: 0 }];
 answers.settings.path = process.env.HYPEDC ?? 'hypedc';
 // What the server remembers stays here.
@@ -68,10 +70,30 @@ const labels = (items) => items.map(({ label }) => (typeof label === 'string' ? 
 test('findings of an opened document are shown', async () => {
   await until('a finding', () => errors().length === 1);
   const [found] = errors();
-  assert.equal(found.code, 'E0201');
+  assert.equal(found.code.value, 'E0201');
   assert.equal(found.source, 'hypedc');
   assert.match(found.message, /Slim/);
   assert.deepEqual(found.range, new vscode.Range(8, 22, 8, 26));
+});
+
+test('the code of a finding is a link to its page, which opens as Markdown', async () => {
+  const [found] = errors();
+  assert.equal(found.code.target.toString(true), 'command:hypedc.explain?["E0201"]');
+  await vscode.commands.executeCommand('hypedc.explain', 'E0201');
+  const [name, uri] = seen.executed.splice(0).find(([name]) => name.startsWith('markdown'));
+  assert.equal(name, 'markdown.showPreviewToSide');
+  const [, , provider] = seen.providers.find(([what]) => what === 'TextDocumentContent');
+  assert.match(await provider.provideTextDocumentContent(uri), /^# E0201: /);
+  vscode.window.activeTextEditor = { document, selection: { active: found.range.start } };
+  await vscode.commands.executeCommand('hypedc.explain');
+  assert.equal(seen.executed.splice(0).find(([name]) => name.startsWith('markdown'))[1].path, 'E0201.md');
+  vscode.window.activeTextEditor = undefined;
+});
+
+test('findings of programs that are not open are shown', async () => {
+  const uri = vscode.Uri.file(closed).toString();
+  await until('a finding', () => seen.diagnostics.get(uri)?.length > 0);
+  assert.equal(seen.diagnostics.get(uri)[0].code.value, 'E0201');
 });
 
 test('a finding has its fix, and goes with it', async () => {
@@ -115,6 +137,12 @@ test('modes are offered after an arrow, and no snippet comes twice', async () =>
   assert.deepEqual(labels(twice), []);
 });
 
+test('an item that opens a bracket asks the editor for the list again', async () => {
+  const items = await answer('CompletionItem', other, place(other, 'x > 50'));
+  const touching = items.find(({ label }) => labels([{ label }])[0].startsWith('touching'));
+  assert.equal(touching.command.command, 'editor.action.triggerSuggest');
+});
+
 test('an entity is renamed in both files', async () => {
   const changes = await answer('Rename', document, place(document, 'Slime at'), 'Ooze');
   for (const [uri, edits] of changes.entries()) await edit(await vscode.workspace.openTextDocument(uri), edits);
@@ -135,9 +163,8 @@ test('the lenses of the server are commands of the extension', async () => {
   });
   assert.deepEqual(lenses.map(({ command }) => command.command), ['hypedc.sim', 'hypedc.play', 'hypedc.reach']);
   assert.match(lenses[1].command.title, /^✓ [\d.]+ s · play$/);
-  // The commands read the files, not the documents.
-  writeFileSync(game, document.getText());
-  writeFileSync(slime, other.getText());
+  // The commands read the documents, not the files.
+  assert.notEqual(readFileSync(game, 'utf8'), document.getText());
   answers.input = '-*3';
   for (const { command } of lenses) await vscode.commands.executeCommand(command.command, ...command.arguments);
   assert.match(seen.output.get('Hyped'), /world Cave: 3 steps/);

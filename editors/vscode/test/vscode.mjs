@@ -16,6 +16,8 @@ export const seen = {
   /** The diagnostics of each document, by its URI. */
   diagnostics: new Map(),
   errors: [],
+  /** The commands that were run and are not the extension's: their names and arguments. */
+  executed: [],
   /** The written text, by the name of the channel. */
   output: new Map(),
   panels: [],
@@ -54,6 +56,11 @@ class Range {
   constructor(start, end, ...more) {
     if (more.length > 0) [start, end] = [new Position(start, end), new Position(...more)];
     Object.assign(this, { start, end });
+  }
+  contains({ line, character }) {
+    const { start, end } = this;
+    const isAfter = line > start.line || (line === start.line && character >= start.character);
+    return isAfter && (line < end.line || (line === end.line && character <= end.character));
   }
 }
 
@@ -321,7 +328,10 @@ const api = {
       seen.commands.set(name, body);
       return { dispose: () => seen.commands.delete(name) };
     },
-    executeCommand: async (name, ...about) => seen.commands.get(name)?.(...about),
+    executeCommand: async (name, ...about) => {
+      if (!seen.commands.has(name)) seen.executed.push([name, ...about]);
+      return seen.commands.get(name)?.(...about);
+    },
   },
   env: { appName: 'a stand-in', language: 'en' },
   languages: new Proxy(
@@ -332,6 +342,7 @@ const api = {
         clear: () => seen.diagnostics.clear(),
         dispose: () => seen.diagnostics.clear(),
       }),
+      getDiagnostics: (uri) => seen.diagnostics.get(uri.toString()) ?? [],
       match: (selector, { languageId, uri }) =>
         [selector].flat().some(({ language = languageId, scheme = uri.scheme }) => language === languageId && scheme === uri.scheme) ? 10 : 0,
     },
@@ -415,6 +426,10 @@ const api = {
     },
     getConfiguration: () => ({ get: (name, otherwise) => answers.settings[name] ?? otherwise }),
     findFiles: async () => [],
+    registerTextDocumentContentProvider: (scheme, provider) => {
+      seen.providers.push(['TextDocumentContent', scheme, provider]);
+      return { dispose() {} };
+    },
     getWorkspaceFolder: () => undefined,
     createFileSystemWatcher: () => withEvents({ dispose() {} }),
     openTextDocument: async (uri) => {

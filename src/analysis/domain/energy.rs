@@ -6,6 +6,7 @@
 //! number of steps.
 
 use crate::analysis::domain::values::{Interval, Values};
+use crate::ir::Extremes;
 
 /// Relative error margin for rounding.
 const MARGIN: f64 = 1e-6;
@@ -68,7 +69,7 @@ impl Fall {
         for (end, at) in pushed.into_iter().enumerate().filter_map(|(end, at)| Some((end, at?))) {
             // A push against the acceleration adds energy; any other push removes some.
             let gains = (end == 0) == (self.acceleration < 0.0);
-            let kept = if end == 0 { free.high.max(0.0) } else { free.low.min(0.0) };
+            let kept = if end == 0 { free.high.greatest(0.0) } else { free.low.least(0.0) };
             let velocity = if gains { stopped.or(Interval::point(kept)) } else { stopped };
             let turn = -self.acceleration * self.step / 2.0;
             out = out.or(self.energy(at, velocity.or(Interval::point(turn))));
@@ -83,7 +84,7 @@ impl Fall {
         // towards `a·dt/2` reduces the energy.
         let turn = self.acceleration * self.step / 2.0;
         match if is_low { end.high <= turn } else { turn <= end.low } {
-            true => Interval { low: energy.low.min(cut.low), high: energy.high },
+            true => Interval { low: energy.low.least(cut.low), high: energy.high },
             false => energy.or(cut),
         }
     }
@@ -103,7 +104,7 @@ impl Fall {
         if square.is_nan() || square == f64::INFINITY {
             return *velocity;
         }
-        let root = square.max(0.0).sqrt();
+        let root = square.greatest(0.0).sqrt();
         velocity.within(with_margin(Interval { low: -half - root, high: -half + root }))
     }
 

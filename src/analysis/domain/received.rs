@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{EntityId, Send, SendId, SignalId};
+use crate::ir::{EntityId, Extremes, Send, SendId, SignalId};
 
 use crate::analysis::domain::values::Interval;
 
@@ -66,7 +66,7 @@ impl Received {
         let none = Total { value: Interval::point(0.0), size: 0.0, count: 0.0, is_whole };
         let total = self.sums.entry((send.entity, send.signal)).or_insert(none);
         total.value = total.value.plus(value);
-        total.size += value.low.abs().max(value.high.abs());
+        total.size += value.low.abs().greatest(value.high.abs());
         total.count += 1.0;
     }
 

@@ -1,6 +1,8 @@
 //! Sets of numbers as a few closed intervals (a point is an interval). Floating-point operations are monotonic, so the
 //! rounded ends of an interval enclose all rounded results.
 
+use crate::ir::Extremes;
+
 use std::fmt;
 
 /// A closed interval; `low <= high`.
@@ -23,7 +25,7 @@ impl Interval {
 
     /// The interval between two numbers, in either order.
     pub fn between(a: f64, b: f64) -> Self {
-        if a.is_nan() || b.is_nan() { Interval::ALL } else { Interval { low: a.min(b), high: a.max(b) } }
+        if a.is_nan() || b.is_nan() { Interval::ALL } else { Interval { low: a.least(b), high: a.greatest(b) } }
     }
 
     /// Whether the interval is a single number.
@@ -38,14 +40,14 @@ impl Interval {
 
     /// The intersection, if it is not empty.
     pub fn and(self, other: Interval) -> Option<Interval> {
-        let (low, high) = (self.low.max(other.low), self.high.min(other.high));
+        let (low, high) = (self.low.greatest(other.low), self.high.least(other.high));
         (low <= high).then_some(Interval { low, high })
     }
 
     /// The smallest interval that contains both.
     #[must_use]
     pub fn or(self, other: Interval) -> Interval {
-        Interval { low: self.low.min(other.low), high: self.high.max(other.high) }
+        Interval { low: self.low.least(other.low), high: self.high.greatest(other.high) }
     }
 
     /// The image under a monotonic function.
@@ -61,12 +63,12 @@ impl Interval {
 
     /// The minimum of two numbers.
     pub(in crate::analysis) fn least(self, other: Interval) -> Interval {
-        Interval { low: self.low.min(other.low), high: self.high.min(other.high) }
+        Interval { low: self.low.least(other.low), high: self.high.least(other.high) }
     }
 
     /// The maximum of two numbers.
     pub(in crate::analysis) fn greatest(self, other: Interval) -> Interval {
-        Interval { low: self.low.max(other.low), high: self.high.max(other.high) }
+        Interval { low: self.low.greatest(other.low), high: self.high.greatest(other.high) }
     }
 
     pub(in crate::analysis) fn plus(self, other: Interval) -> Interval {
@@ -85,7 +87,7 @@ impl Interval {
     /// The square of one number, unlike `self.times(self)`.
     pub(in crate::analysis) fn square(self) -> Interval {
         let (a, b) = (self.low * self.low, self.high * self.high);
-        if self.contains(0.0) { Interval { low: 0.0, high: a.max(b) } } else { Interval::between(a, b) }
+        if self.contains(0.0) { Interval { low: 0.0, high: a.greatest(b) } } else { Interval::between(a, b) }
     }
 
     fn sound(self) -> Interval {

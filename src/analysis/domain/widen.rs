@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::ir::{Bounds, DiscreteId, IdVec, ParamId, SlotId, VarId, World};
+use crate::ir::{Bounds, DiscreteId, Extremes, IdVec, ParamId, SlotId, VarId, World};
 
 use crate::analysis::domain::configuration::{Configuration, Numbers};
 use crate::analysis::domain::values::{Interval, Values};
@@ -15,10 +15,10 @@ pub(in crate::analysis) fn within_bounds(world: &World, slot: SlotId, mut at: Co
     let bounds: Option<Vec<_>> = at.spaces.iter().map(|s| world.spaces[*s].bounds).collect();
     if let Some(all) = bounds.as_deref().and_then(|b| {
         b.iter().copied().reduce(|a, b| Bounds {
-            left: a.left.min(b.left),
-            right: a.right.max(b.right),
-            bottom: a.bottom.min(b.bottom),
-            top: a.top.max(b.top),
+            left: a.left.least(b.left),
+            right: a.right.greatest(b.right),
+            bottom: a.bottom.least(b.bottom),
+            top: a.top.greatest(b.top),
         })
     }) {
         let cut = |values: &Values, low: f64, high: f64| values.within(Interval { low, high });
@@ -156,7 +156,7 @@ fn widen_values(
 
 /// There are no thresholds for energies; they grow to powers of two.
 fn widen_energy(old: Interval, new: Interval) -> Interval {
-    let up = |x: f64| if x.abs() > 1e12 { f64::INFINITY } else { x.abs().max(1.0).log2().ceil().exp2() };
+    let up = |x: f64| if x.abs() > 1e12 { f64::INFINITY } else { x.abs().greatest(1.0).log2().ceil().exp2() };
     let low = match new.low < old.low {
         true if new.low < 0.0 => -up(new.low),
         true => 0.0,

@@ -16,9 +16,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{
-    Actions, Arithmetic, ColliderId, DiscreteId, Edge, EdgeId, Entity, EntityId, Expr, ExprId, FollowId, Function,
-    IdRange, IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, RefValue, Slot, SlotId, Subject, TagSet, TouchId,
-    World, compare,
+    Actions, Arithmetic, ColliderId, DiscreteId, Edge, EdgeId, Entity, EntityId, Expr, ExprId, Extremes, FollowId,
+    Function, IdRange, IdVec, LeafId, ModeId, Origin, ParamId, Place, Program, RefValue, Slot, SlotId, Subject, TagSet,
+    TouchId, World, compare,
 };
 
 use crate::analysis::domain::values::{Interval, Values};
@@ -73,7 +73,7 @@ impl Upper {
     }
 
     fn or(self, other: Upper) -> Upper {
-        Upper { above: self.above.max(other.above), top: self.top.max(other.top) }
+        Upper { above: self.above.greatest(other.above), top: self.top.greatest(other.top) }
     }
 
     fn plus(self, other: f64) -> Upper {
@@ -91,7 +91,7 @@ impl Upper {
         match order(self).cmp(&order(other)) {
             std::cmp::Ordering::Less => self,
             std::cmp::Ordering::Greater => other,
-            std::cmp::Ordering::Equal if other.above.max(other.top) < self.above.max(self.top) => other,
+            std::cmp::Ordering::Equal if other.above.greatest(other.top) < self.above.greatest(self.top) => other,
             std::cmp::Ordering::Equal => self,
         }
     }
@@ -186,7 +186,7 @@ impl<'a> CounterBounds<'a> {
             let constant = |expr| self.program.constant(expr, &none, self.world.step).unwrap_or(f64::INFINITY);
             let given =
                 spawns.flat_map(|s| &s.updates).filter(|u| u.place == Place::Discrete(id)).map(|u| constant(u.value));
-            first = given.fold(constant(entity.discretes[id].first).max(first), f64::max);
+            first = given.fold(constant(entity.discretes[id].first).greatest(first), f64::greatest);
         }
         let mut flat = first;
         let mut counted = (first, 0.0);
@@ -194,7 +194,7 @@ impl<'a> CounterBounds<'a> {
             for update in actions.updates.iter().filter(|u| u.place == Place::Discrete(id)) {
                 let upper = |counts| self.upper(entity, update.value, id, params, counts);
                 let never_counted = upper(false);
-                flat = flat.max(if never_counted.above > 0.0 { f64::INFINITY } else { never_counted.top });
+                flat = flat.greatest(if never_counted.above > 0.0 { f64::INFINITY } else { never_counted.top });
                 let mut kept = upper(true);
                 if kept.above > 0.0 {
                     let runs = self.runs(slot.entity, cause);
@@ -205,11 +205,11 @@ impl<'a> CounterBounds<'a> {
                         counted.1 += if kept.above > 0.0 { f64::INFINITY } else { 0.0 };
                     }
                 }
-                counted.0 = kept.top.max(counted.0);
+                counted.0 = kept.top.greatest(counted.0);
             }
         }
         // Rounded down, as a counter is a whole number, with a tolerance for sums of fractions.
-        flat.min((counted.0 + counted.1 + 1e-6).floor())
+        flat.least((counted.0 + counted.1 + 1e-6).floor())
     }
 
     /// Upper bound of an update. Where there is a choice, prefers a bound relative to the old value (`counts`) or an
@@ -258,7 +258,7 @@ impl<'a> CounterBounds<'a> {
                     return *known;
                 }
                 let Edge { guard, actions, .. } = &entity.edges[edge];
-                let found = per_life(entity, cause, actions).min(self.contacts(entity, *guard, actions));
+                let found = per_life(entity, cause, actions).least(self.contacts(entity, *guard, actions));
                 self.runs.insert((id, edge), found);
                 found
             }
@@ -276,7 +276,7 @@ impl<'a> CounterBounds<'a> {
     /// Maximum number of collision phases after which a guard can hold, by the contacts that it needs.
     fn contacts(&self, entity: &Entity, guard: ExprId, actions: &Actions) -> f64 {
         match self.program.exprs[guard] {
-            Expr::And(a, b) => self.contacts(entity, a, actions).min(self.contacts(entity, b, actions)),
+            Expr::And(a, b) => self.contacts(entity, a, actions).least(self.contacts(entity, b, actions)),
             Expr::Or(a, b) => self.contacts(entity, a, actions) + self.contacts(entity, b, actions),
             Expr::Touching(Subject::Me, touch) => self.phases(entity, touch, actions),
             _ => f64::INFINITY,

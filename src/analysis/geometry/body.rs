@@ -1,7 +1,7 @@
 //! Colliders as the analysis models them: bodies with their boxes, kinds of instances that share them, and the
 //! positions where pushes end.
 
-use crate::ir::{Bounds, EntityId, Meeting, Push, Side, SlotId, TagSet};
+use crate::ir::{Bounds, EntityId, Extremes, Meeting, Push, Side, SlotId, TagSet};
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::presence::{KeptOut, Presence};
@@ -158,7 +158,7 @@ pub(in crate::analysis) fn disjoin(edges: &mut Vec<Interval>) {
     edges.dedup_by(|next, last| {
         let meets = next.low <= last.high;
         if meets {
-            last.high = last.high.max(next.high);
+            last.high = last.high.greatest(next.high);
         }
         meets
     });

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{Bounds, IdVec, Origin, Push, SlotId, SpaceId, VarId};
+use crate::ir::{Bounds, Extremes, IdVec, Origin, Push, SlotId, SpaceId, VarId};
 
 use crate::analysis::domain::configuration::Overall;
 use crate::analysis::domain::values::Values;
@@ -64,12 +64,12 @@ impl KindSummary {
         let step = scene.world.step.seconds();
         let live = || kind.slots.iter().map(|s| &slots[*s]).filter(|o| o.can_live);
         let contact = |axis: usize| Values::any(live().flat_map(|o| o.contact[axis].intervals().to_vec()));
-        let far = |axis: usize| live().map(|o| o.speed[axis]).fold(0.0, f64::max) * step;
+        let far = |axis: usize| live().map(|o| o.speed[axis]).fold(0.0, f64::greatest) * step;
         KindSummary {
             count: live().count(),
             spaces: live().flat_map(|o| o.spaces.iter().copied()).collect(),
             contact: [contact(0), contact(1)],
-            near_step: live().flat_map(|o| o.near_speed).fold(0.0, f64::max) * step,
+            near_step: live().flat_map(|o| o.near_speed).fold(0.0, f64::greatest) * step,
             displacement: [far(0), far(1)],
             push_bound: None,
             push: [0.0; 2],
@@ -149,7 +149,7 @@ fn carry(scene: &Scene<'_>, summaries: &mut [KindSummary]) {
             let carriers: Vec<usize> =
                 carriers.filter(|p| p.meeting.response.carry && pushes(scene, me, p)).map(|p| p.kind).collect();
             for (axis, own) in own[me].iter().enumerate() {
-                let most = carriers.iter().map(|c| summaries[*c].displacement[axis]).fold(0.0, f64::max);
+                let most = carriers.iter().map(|c| summaries[*c].displacement[axis]).fold(0.0, f64::greatest);
                 // A displacement that still grows after as many rounds as there are kinds is unbounded: the kind
                 // carries itself.
                 let sum = own + most;
@@ -240,13 +240,13 @@ fn longest(scene: &Scene<'_>, me: usize, summaries: &[KindSummary]) -> [f64; 2] 
     let mut longest = [0.0_f64; 2];
     for found in summary.spaces.iter().filter_map(|s| scene.statics(me, *s)) {
         for (longest, found) in longest.iter_mut().zip(found.longest) {
-            *longest = longest.max(found);
+            *longest = longest.greatest(found);
         }
     }
     for pair in met(scene, me, &summary.spaces, summaries).into_iter().filter(|pair| pushes(scene, me, pair)) {
         let (mine, theirs) = (&kind.bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
         for (axis, longest) in longest.iter_mut().enumerate() {
-            *longest = longest.max(mine.size()[axis] + theirs.size()[axis]);
+            *longest = longest.greatest(mine.size()[axis] + theirs.size()[axis]);
         }
     }
     longest

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::ir::{Bounds, Period, Solid, Space, SpaceId, TileMap, VarId, World};
+use crate::ir::{Bounds, Extremes, Period, Solid, Space, SpaceId, TileMap, VarId, World};
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
@@ -75,7 +75,7 @@ fn inside(period: Period, values: &Values) -> Values {
             out.push(*interval);
             continue;
         }
-        let slack = rounding(interval.low).max(rounding(interval.high));
+        let slack = rounding(interval.low).greatest(rounding(interval.high));
         let turns = ((interval.low - period.low) / size).floor();
         let way = turns * size;
         let (low, high) = (interval.low - way - slack, interval.high - way + slack);
@@ -87,11 +87,11 @@ fn inside(period: Period, values: &Values) -> Values {
         // What rounding leaves beyond a border lies on the lower one.
         out.extend(Interval { low, high }.and(whole));
         if low < period.low + slack {
-            out.push(Interval { low: (low + size).min(period.high), high: period.high });
+            out.push(Interval { low: (low + size).least(period.high), high: period.high });
             out.push(Interval::point(period.low));
         }
         if high > period.high - slack {
-            out.push(Interval { low: period.low, high: (high - size).max(period.low) });
+            out.push(Interval { low: period.low, high: (high - size).greatest(period.low) });
         }
     }
     Values::any(out)
@@ -153,7 +153,7 @@ pub(in crate::analysis) fn reaches_around(world: &World, extent: [Interval; 2]) 
     let periods = world.spaces.iter().flat_map(|space| space.periods.into_iter().zip(extent));
     periods
         .into_iter()
-        .any(|(period, side)| period.is_some_and(|period| side.high.max(-side.low) > period.size() / 2.0))
+        .any(|(period, side)| period.is_some_and(|period| side.high.greatest(-side.low) > period.size() / 2.0))
 }
 
 /// Brings an instance that has moved to where the repeated obstacles reach: from half a period before the lower border
@@ -196,7 +196,7 @@ pub(in crate::analysis) fn seen<'s>(
         let turns = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|turns| turns * period.size());
         let moved = |way: f64| {
             near.intervals().iter().map(move |i| {
-                let slack = if way == 0.0 { 0.0 } else { rounding(i.low).max(rounding(i.high)) };
+                let slack = if way == 0.0 { 0.0 } else { rounding(i.low).greatest(rounding(i.high)) };
                 Interval { low: i.low + way - slack, high: i.high + way + slack }
             })
         };

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::ir::{Bounce, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId, World};
+use crate::ir::{Bounce, Extremes, Id, IdVec, LeafId, Origin, SlotId, SpaceId, TagSet, Touch, TouchId, VarId, World};
 
 use crate::analysis::domain::configuration::{Configuration, Overall};
 use crate::analysis::domain::values::{Interval, Values};
@@ -140,7 +140,7 @@ impl Surroundings {
         }
         // A bound contact query names an instance, or a tile that can be broken.
         if !touch.bound || touch.tiles {
-            let far = contacts.longest[0].max(contacts.longest[1]);
+            let far = contacts.longest[0].greatest(contacts.longest[1]);
             for (space, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
                 let mut also = contacts.obstacles.iter().filter(|(of, _)| of == space).map(|(_, s)| s);
                 surfaces.touched(touch, [x, y], far, also.next(), &mut out);
@@ -235,7 +235,7 @@ impl Contacts {
     /// push, whatever else pushes.
     fn push_out(&self, motion: &Motion, moved: &mut Configuration) {
         let slack = TOLERANCE + ROUNDING;
-        let far = motion.far[0].max(motion.far[1]) + slack;
+        let far = motion.far[0].greatest(motion.far[1]) + slack;
         let local = self.local_edges(far, moved);
         for axis in 0..2 {
             let var = VarId::XY[axis];
@@ -249,9 +249,9 @@ impl Contacts {
                 // back at most to where it was. Otherwise it has entered along the other axis, and is pushed along this
                 // one only where that is shorter.
                 Some(from) => {
-                    let across = far.min(motion.far[1 - axis] + slack);
-                    let highest = (from.high + slack).max(at.high + across);
-                    let lowest = (from.low - slack).min(at.low - across);
+                    let across = far.least(motion.far[1 - axis] + slack);
+                    let highest = (from.high + slack).greatest(at.high + across);
+                    let lowest = (from.low - slack).least(at.low - across);
                     let (up, down) = (Interval { low: at.low, high: highest }, Interval { low: lowest, high: at.high });
                     [up, down].map(rounded)
                 }
@@ -315,7 +315,7 @@ impl Contacts {
         // A body that enters along one axis is pushed out along the other where that is shorter. A body inside an
         // obstacle is pushed to its side.
         let far = match self.has_bounded_pushes {
-            true => speed[0].max(speed[1]) * step + TOLERANCE + ROUNDING,
+            true => speed[0].greatest(speed[1]) * step + TOLERANCE + ROUNDING,
             false => self.longest[axis] + ROUNDING,
         };
         let [low, high] = if self.has_bounded_pushes { &self.faces[axis] } else { &self.edges[axis] };

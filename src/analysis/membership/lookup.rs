@@ -2,6 +2,7 @@
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::region::Region;
+use crate::ir::Extremes;
 
 /// Maximum number of bins of a grid along an axis.
 const MAX_BINS: usize = 256;
@@ -118,7 +119,7 @@ impl<T> Lookup<T> {
     /// `items` must be in order of their low ends.
     fn new(items: Vec<(Interval, T)>) -> Self {
         let reach = items.iter().scan(f64::NEG_INFINITY, |most, (i, _)| {
-            *most = most.max(i.high);
+            *most = most.greatest(i.high);
             Some(*most)
         });
         Lookup { reach: reach.collect(), items }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::ir::{
-    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Function, Id, IdVec, LeafId, ParamId, ProbeId,
-    Program, SlotId, SpaceId, Subject, TagId, TouchId, VarId, World, call,
+    Arithmetic, CompareOp, DiscreteId, Entity, EntityId, Expr, ExprId, Extremes, Function, Id, IdVec, LeafId, ParamId,
+    ProbeId, Program, SlotId, SpaceId, Subject, TagId, TouchId, VarId, World, call,
 };
 
 use crate::analysis::domain::configuration::{Configuration, MidStep, Overall};
@@ -333,7 +333,7 @@ impl<'a> Reader<'a> {
             Function::Max => a.pairs(&b, Interval::greatest),
             Function::Clamp => a.pairs(&b, Interval::greatest).pairs(&c, Interval::least),
             Function::Abs => a.map(|i| match i.contains(0.0) {
-                true => Interval { low: 0.0, high: i.high.max(-i.low) },
+                true => Interval { low: 0.0, high: i.high.greatest(-i.low) },
                 false => i.map(f64::abs),
             }),
             Function::Sign | Function::Floor | Function::Ceil | Function::Round => {
@@ -552,7 +552,7 @@ pub(in crate::analysis) fn restrict_by(values: &Values, op: CompareOp, with: &Va
 /// The values of `mod(a, b)`.
 fn modulo(a: Interval, b: Interval) -> Interval {
     // Before `b`: of whole numbers, one less.
-    let all = Interval { low: b.low.next_up().min(0.0), high: b.high.next_down().max(0.0) };
+    let all = Interval { low: b.low.next_up().least(0.0), high: b.high.next_down().greatest(0.0) };
     let period = b.low;
     let is_within_period = a.high - a.low < period.abs();
     if !b.is_point() || !is_within_period {

@@ -1,6 +1,6 @@
 //! The continuous phase over configurations: flows, envelopes, clamps, timers, and the effect of collisions.
 
-use crate::ir::{By, Drive, Envelope, ExprId, IdVec, Release, TimerId, VarId};
+use crate::ir::{By, Drive, Envelope, ExprId, Extremes, IdVec, Release, TimerId, VarId};
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::energy::Fall;
@@ -49,7 +49,7 @@ impl Stepper<'_> {
             let inside = entity.modes[entity.timers[id].mode].leaves;
             let limit = f64::from(limits[id]);
             match next.leaves.iter().any(|l| inside.contains(*l)) {
-                true => Interval { low: (count.low + 1.0).min(limit), high: (count.high + 1.0).min(limit) },
+                true => Interval { low: (count.low + 1.0).least(limit), high: (count.high + 1.0).least(limit) },
                 false => *count,
             }
         };
@@ -126,8 +126,8 @@ impl Stepper<'_> {
             let var = VarId::XY[axis];
             // If the position itself is driven or clamped, it moves by the distance between its ends.
             let way = shift(next, &moved, var);
-            let far = way.high.max(-way.low) / self.step;
-            let velocity = moved.vars[var][1].hull().map_or(0.0, |v| v.high.max(-v.low));
+            let far = way.high.greatest(-way.low) / self.step;
+            let velocity = moved.vars[var][1].hull().map_or(0.0, |v| v.high.greatest(-v.low));
             let is_put = matches!(drives[var], Drive::Flow { degree: 0, .. })
                 || matches!(drives[var], Drive::Envelope(id, _) if entity.envelopes[id].degree == 0)
                 || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
@@ -135,11 +135,12 @@ impl Stepper<'_> {
             let by_velocity = moved.vars[var][1].hull().map_or(Interval::point(0.0), |v| v.times(dt));
             own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
         }
-        let far = [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.max(-v.low) * self.step));
+        let far =
+            [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.greatest(-v.low) * self.step));
         let begin = VarId::XY.map(|var| next.vars[var][0]);
         let motion = Motion { from: begin, own, far };
         let contact = self.reader.surroundings.collide(self.reader.world, self.slot, motion, &mut moved);
-        let greatest = |known: &mut [f64; 2]| *known = [known[0].max(speeds[0]), known[1].max(speeds[1])];
+        let greatest = |known: &mut [f64; 2]| *known = [known[0].greatest(speeds[0]), known[1].greatest(speeds[1])];
         greatest(&mut outcome.speed);
         // A step that leaves the area of the obstacles, or crosses it, counts as near them.
         let crossed = [0, 1].map(|axis| Values::any(begin[axis].or(&contact[axis]).hull()));
@@ -236,14 +237,14 @@ impl Stepper<'_> {
     fn approached(&self, reader: &Reader<'_>, current: &Values, target: &Values, rate: Option<ExprId>) -> Values {
         let Some(rate) = rate else { return *target };
         let Some(rate) = reader.number(rate).hull() else { return Values::none() };
-        let most = rate.high.abs().max(rate.low.abs()) * self.step;
+        let most = rate.high.abs().greatest(rate.low.abs()) * self.step;
         if rate.low < 0.0 {
             // Away from the target.
             return current.map(|i| Interval { low: i.low - most, high: i.high + most }).or(target);
         }
         current.pairs(target, |from, to| Interval {
-            low: if to.low < from.low { to.low.max(from.low - most) } else { from.low.min(to.high) },
-            high: if to.high > from.high { to.high.min(from.high + most) } else { from.high.max(to.low) },
+            low: if to.low < from.low { to.low.greatest(from.low - most) } else { from.low.least(to.high) },
+            high: if to.high > from.high { to.high.least(from.high + most) } else { from.high.greatest(to.low) },
         })
     }
 }

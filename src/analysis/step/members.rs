@@ -1,7 +1,7 @@
 //! Questions to the instances of an entity over sets of states, and distances. Each slot is asked by itself: it counts
 //! for certain if it cannot be empty and the condition cannot fail.
 
-use crate::ir::{EntityId, ExprId, LeafId, ModeId, SlotId, Subject, VarId};
+use crate::ir::{EntityId, ExprId, Extremes, LeafId, ModeId, SlotId, Subject, VarId};
 
 use crate::analysis::domain::truth::Truth;
 use crate::analysis::domain::values::{Interval, Values};
@@ -77,6 +77,6 @@ impl Reader<'_> {
             seam::shortest(self.world, axis, &ways).map(Interval::square)
         };
         let squares = apart(0, &px, x).pairs(&apart(1, &py, y), Interval::plus);
-        squares.map(|i| i.map(|s| s.max(0.0).sqrt()))
+        squares.map(|i| i.map(|s| s.greatest(0.0).sqrt()))
     }
 }

@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::args::output::output;
+
 /// The animation of a run.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct GifArgs {
     /// Writes the run to a GIF file: an animation. Where a room is larger than the picture, the camera follows player 1.
-    #[arg(long, value_name = "PATH", help_heading = "The animation")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The animation")]
     pub gif: Option<PathBuf>,
     /// Pixels for each px of the game [default: 4 or less, so that all rooms fit into 640x480; 2 if one does not fit].
     #[arg(

@@ -2,6 +2,7 @@
 
 pub(in crate::cli) mod gif;
 pub(in crate::cli) mod level;
+pub(in crate::cli) mod output;
 pub(in crate::cli) mod page;
 pub(in crate::cli) mod robust;
 pub(in crate::cli) mod script;
@@ -16,6 +17,7 @@ use crate::reach::{Planner, Restart};
 
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
+use output::output;
 pub(in crate::cli) use page::PageArgs;
 pub(in crate::cli) use robust::PersonArgs;
 pub(in crate::cli) use script::ScriptArgs;
@@ -173,7 +175,7 @@ pub(in crate::cli) struct ImportZeldaArgs {
 /// Where imported text goes, and findings.
 #[derive(Debug, Args)]
 pub(in crate::cli) struct ImportInto {
-    /// Writes `NAME.hyped` for each file into this folder [default: standard output].
+    /// Writes `NAME.hyped` for each file into this folder [default: `-`, standard output].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Replaces files that exist.
@@ -262,7 +264,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
     /// Draws the run to an SVG file: the level, the ways of all that moves, the goals that were reached.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = output())]
     pub svg: Option<PathBuf>,
     #[command(flatten)]
     pub animation: GifArgs,
@@ -302,7 +304,8 @@ pub(in crate::cli) struct PlayArgs {
     /// Only prints the address of the page.
     #[arg(long)]
     pub no_open: bool,
-    /// Writes one HTML file that plays without a network and without hypedc, instead of serving the page.
+    /// Writes one HTML file that plays without a network and without hypedc, instead of serving the page; `-` for standard
+    /// output.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["port", "no_open", "set"])]
     pub export: Option<PathBuf>,
     /// The engine for the file, a module of WebAssembly; needed if hypedc was built without one.
@@ -420,10 +423,10 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, help_heading = "The result")]
     pub minimize: bool,
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
     /// Draws the level, the coverage, the tree and the path to an SVG file; with several goals as above.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub svg: Option<PathBuf>,
     /// Adds all nodes to the JSON result.
     #[arg(long, help_heading = "The result")]
@@ -515,7 +518,7 @@ pub(in crate::cli) enum GraphFormat {
 #[derive(Debug, Args)]
 pub(in crate::cli) struct NewArgs {
     /// The folder to create; it must not exist.
-    #[arg(value_name = "NAME")]
+    #[arg(value_name = "NAME", value_parser = output())]
     pub name: PathBuf,
 }
 

@@ -63,7 +63,8 @@ pub(in crate::cli) struct PersonArgs {
 
 /// A hold: a time, or a plain number of steps.
 fn skill(text: &str) -> Result<Time, String> {
-    text.trim().parse().map_or_else(|_| Time::read(text), |steps| Ok(Time::Steps(steps)))
+    let found = text.trim().parse().map_or_else(|_| Time::read(text), |steps| Ok(Time::Steps(steps)));
+    found.map_err(|_| "a number of steps such as `12`, or a time such as `12frames`, `0.2s` or `200ms`".to_string())
 }
 
 impl PersonArgs {

@@ -4,18 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::args::output::output;
+
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Many levels")]
 pub(in crate::cli) struct CorpusArgs {
     /// Appends a row for each level and goal to a file of JSON lines as soon as it is known; a later run with the same file
     /// does only what is missing or has changed.
-    #[arg(long, value_name = "FILE.jsonl")]
+    #[arg(long, value_name = "FILE.jsonl", value_parser = output())]
     pub results: Option<PathBuf>,
     /// Also writes the rows to a CSV file as they are found.
-    #[arg(long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv", value_parser = output())]
     pub csv: Option<PathBuf>,
     /// Writes a JUnit report, with a case for each level and goal.
-    #[arg(long, value_name = "FILE.xml")]
+    #[arg(long, value_name = "FILE.xml", value_parser = output())]
     pub junit: Option<PathBuf>,
     /// Reports what changed since an older run, whose `--results` file this is; fails if something is worse or is not
     /// found any more.

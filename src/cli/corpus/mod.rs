@@ -4,6 +4,7 @@
 pub(in crate::cli) mod args;
 mod files;
 pub(in crate::cli) mod level;
+mod page;
 
 use std::collections::BTreeSet;
 use std::fs::{File, read_dir, write};
@@ -30,7 +31,7 @@ use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::disk::{Disk, open, rows};
 use crate::cli::reach::question::{ReachChanges, query, recorded_settings};
 use crate::cli::refusal::Refusal;
-use crate::cli::report::{Loaded, find_world, has_maps, load_changed, plain_error};
+use crate::cli::report::{Loaded, find_world, has_maps, load_changed, plain_error, written};
 use crate::cli::watches::interrupted;
 use files::{CsvFile, RecordFile};
 use level::{CorpusContext, Level, TaskResult};
@@ -58,9 +59,8 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
         plain_error("`--skill` shows one level in layers: give one level with `--map`")?;
         return Ok(Exit::Refused);
     }
-    if args.page.html.is_some() {
-        let table = "`--results`, `--csv`, `--junit` and `--baseline` are about a table of levels";
-        plain_error(&format!("`--html` is a page about one level: give one level with `--map`; {table}"))?;
+    if args.page.engine.is_some() {
+        plain_error("`--engine` is for the page about one level, which plays it; the page of a table shows pictures")?;
         return Ok(Exit::Refused);
     }
     // A bad question is bad for all levels, so it is reported before any of them.
@@ -141,7 +141,7 @@ impl Files {
         let of = &args.corpus;
         let baseline = of.baseline.as_deref().map(baseline).transpose()?;
         let record = of.results.as_deref().map(RecordFile::open).transpose()?;
-        if let Some(path) = &of.junit {
+        for path in of.junit.iter().chain(&args.page.html) {
             let opened = File::options().create(true).append(true).open(path);
             opened.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
         }
@@ -231,7 +231,13 @@ impl Run<'_> {
             return Ok(Exit::Refused);
         }
         let presentation = Presentation { args, rows: &rows, comparison: comparison.as_ref(), is_stopped };
-        presentation.show(&self.context.world, &format!("{note}; {seconds:.1} s"))?;
+        let note = format!("{note}; {seconds:.1} s");
+        if let Some(path) = &args.page.html
+            && !written(path, &presentation.page(&self.context.world, &note))?
+        {
+            return Ok(Exit::Refused);
+        }
+        presentation.show(&self.context.world, &note)?;
         if is_stopped {
             let on = match &args.corpus.results {
                 Some(path) => format!("they are in `{}`, and the same command continues from there", path.display()),

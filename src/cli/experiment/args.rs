@@ -9,6 +9,7 @@ use crate::experiment::Setup;
 use crate::reach::{Measure, Planner, Sampling};
 
 use crate::cli::args::level::{LevelArgs, seconds};
+use crate::cli::args::output::output;
 use crate::cli::args::set::SetArgs;
 use crate::cli::time::{Hold, held};
 
@@ -113,10 +114,10 @@ pub(in crate::cli) struct ExperimentOptions {
     #[arg(long, value_enum, default_value = "text", help_heading = "The result")]
     pub format: ExperimentFormat,
     /// Writes a line for each run to a file, as runs end.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub csv: Option<PathBuf>,
     /// Writes settings, runs and rows to a file.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub json: Option<PathBuf>,
 }
 

@@ -19,6 +19,7 @@ use crate::source::{Files, ReadError, SourceMap};
 
 use super::super::Exit;
 use super::super::args::PlayArgs;
+use super::super::args::output::{is_standard, write};
 use super::super::disk::Disk;
 use super::super::pictures::image;
 use super::super::reach::counted;
@@ -132,9 +133,12 @@ pub(super) fn run(args: &PlayArgs, target: &Path) -> io::Result<Exit> {
         Err(why) => return why.show(),
     };
     let page = carried.page(None, None)?;
-    if let Err(error) = fs::write(target, &page) {
+    if let Err(error) = write(target, page.as_bytes()) {
         plain_error(&format!("cannot write `{}`: {error}", target.display()))?;
         return Ok(Exit::Refused);
+    }
+    if is_standard(target) {
+        return Ok(Exit::Yes);
     }
     let files = counted((carried.project.files.len() + carried.project.pictures.len()) as u64, "file");
     writeln!(io::stdout(), "{}: {} kB, {files}", target.display(), page.len().div_ceil(1000))?;

@@ -2,22 +2,17 @@
 
 use std::fs::write;
 use std::io;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use crate::ir::GoalId;
+use crate::ask::search_svg;
 use crate::reach::query::{Answer, Found, Session};
-use crate::reach::{Plan, Verdict, Visited};
-use crate::sim::{Script, Simulator};
-use crate::view::{Images, Node, Picture, Recorder, Run, picture_svg};
 use crate::watch::Watch;
 
-use super::text::notes;
 use crate::cli::args::ReachArgs;
 use crate::cli::pictures::images;
 use crate::cli::refusal::Refusal;
 use crate::cli::report::sha256;
-use crate::cli::sim::{drive, save_script};
+use crate::cli::sim::save_script;
 
 /// Maximum number of characters of a predicate in the name of a file.
 const MAX_WORD: usize = 60;
@@ -74,7 +69,7 @@ impl<'d> Destination<'d> {
         }
         if let Some(path) = self.picture() {
             let images = images(session.simulator().program(), &self.args.file).map_err(Refusal::Plain)?;
-            write(&path, picture(session, found, answer, &images, watch)).map_err(|error| cannot(&path, error))?;
+            write(&path, search_svg(session, found, answer, &images, watch)).map_err(|error| cannot(&path, error))?;
             saved.picture = Some(path);
         }
         Ok(saved)
@@ -93,21 +88,6 @@ impl<'d> Destination<'d> {
         }
         path.with_file_name(name)
     }
-}
-
-/// The path that was found.
-pub(super) fn plan<'f>(found: &'f Found<'_>) -> Option<&'f Plan> {
-    match &found.outcome.verdict {
-        Verdict::Reached(plan) => Some(plan),
-        Verdict::NotFound | Verdict::Unreachable(_) | Verdict::Exhausted(_) => None,
-    }
-}
-
-/// The way to the state that came nearest, of a goal that was not reached; none if that is the start.
-pub(super) fn nearest<'f>(found: &'f Found<'_>, answer: &Answer) -> Option<&'f Script> {
-    // Only what was replayed is part of an answer.
-    answer.why_not.as_ref()?.nearest.as_ref().filter(|nearest| nearest.at.step > 0)?;
-    Some(&found.outcome.nearest.as_ref()?.whole.as_ref()?.script)
 }
 
 /// A goal as part of a file's name: a name as it is, a predicate with words for what names of files cannot have.
@@ -145,54 +125,6 @@ fn file_word(goal: &str) -> String {
     let cut: String = word.chars().take(MAX_WORD).collect();
     let hash = sha256(goal.as_bytes());
     format!("{cut}-{}", hash.get(..8).unwrap_or_default())
-}
-
-/// The nodes of a search, as pictures show them.
-pub(super) fn nodes(found: &Found<'_>) -> Vec<Node> {
-    let node = |v: &Visited| Node { parent: v.parent, space: v.space, at: v.at };
-    found.outcome.record.iter().map(node).collect()
-}
-
-/// The picture of a search.
-pub(super) fn picture(
-    session: &Session,
-    found: &Found<'_>,
-    answer: &Answer,
-    images: &Images,
-    watch: &dyn Watch,
-) -> String {
-    let (nodes, sim) = (nodes(found), session.simulator());
-    let chance = session.query().chance;
-    let shown = plan(found).map(|plan| &plan.script).or(nearest(found, answer));
-    let run = shown.map_or(Run::default(), |script| recorded(sim, (script, chance), watch));
-    let goals: Vec<GoalId> = sim.world().goal_named(&answer.goal).into_iter().collect();
-    let notes = notes(answer);
-    let picture = Picture {
-        title: &answer.goal,
-        result: answer.verdict.words(),
-        is_good: answer.is_expected,
-        goals: &goals,
-        nodes: &nodes,
-        traps: &[],
-        layers: &[],
-        run: &run,
-        notes: &notes,
-        images,
-    };
-    picture_svg(sim.program(), sim.world_id(), &picture)
-}
-
-/// The run of a script, until the watch stops it.
-pub(in crate::cli) fn recorded(sim: &Simulator, (script, chance): (&Script, Option<u64>), watch: &dyn Watch) -> Run {
-    let (mut recorder, mut last) = (Recorder::new(sim), Vec::new());
-    // A path ends in its last step, also out of bounds; nothing is written here that could fail.
-    let _ = drive(sim, (script, chance), script.len(), watch, &mut |step, input, state, _| {
-        recorder.observe(step, input, state);
-        last.clear();
-        last.extend_from_slice(state);
-        Ok(ControlFlow::Continue(()))
-    });
-    recorder.finish(&last, Vec::new())
 }
 
 #[cfg(test)]

@@ -2,13 +2,14 @@
 
 use std::io;
 
+use crate::ask::{nearest, nodes, plan, search_svg};
 use crate::reach::Conclusion;
 use crate::reach::query::{Answer, Found, Kind, Session, unpressed_words};
 use crate::sim::{Script, Simulator};
 use crate::view::{Images, cells};
 use crate::watch::Watch;
 
-use super::files::{Saved, nearest, nodes, picture, plan};
+use super::files::Saved;
 use super::result::RunResult;
 use super::text::{Detail, Shown, answer_text, with_luck};
 use crate::cli::page::{Moment, Report, Tone, Way, Witness};
@@ -46,7 +47,7 @@ pub(super) fn way(
         way.moments.extend(way.witness.as_ref().map(moment));
     }
     way.covered = cells(sim.program(), sim.world_id(), &nodes(found));
-    way.picture = Some(picture(session, found, answer, images, watch));
+    way.picture = Some(search_svg(session, found, answer, images, watch));
     Ok(way)
 }
 

@@ -1,7 +1,7 @@
 //! Builds the query from the arguments of `hypedc reach`: targets, starts and settings. Invalid questions are refused
 //! here, before any analysis.
 
-use crate::ask::{no_goal, read_scripts, targets};
+use crate::ask::{Without, no_goal, read_scripts, targets};
 use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, NumberSetting, added_nevers};
 use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
@@ -15,7 +15,6 @@ use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
-use crate::cli::without::Without;
 
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";

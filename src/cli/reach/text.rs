@@ -4,7 +4,6 @@ use std::io::{self, IsTerminal};
 
 use crate::reach::Conclusion;
 use crate::reach::query::{Answer, Kind, ProofMethod, Query, SearchWindow};
-use crate::reach::why_not::WhyNot;
 use crate::reach::{End, Luck};
 
 use super::files::Saved;
@@ -69,29 +68,6 @@ impl Detail {
         }
         cut + REST
     }
-}
-
-/// The statistics, as lines under a picture.
-pub(super) fn notes(answer: &Answer) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let (Some(steps), Some(seconds)) = (answer.steps, answer.seconds_of_play) {
-        notes.push(format!("path of {steps} steps, {seconds:.2} s of play"));
-    }
-    if !answer.reasons.is_empty() {
-        notes.push(answer.reasons.join("; "));
-    }
-    let is_drawn = |why: &&WhyNot| why.nearest.as_ref().is_some_and(|nearest| nearest.at.step > 0);
-    if let Some(phrase) = answer.why_not.as_ref().filter(is_drawn).and_then(WhyNot::phrase) {
-        notes.push(format!("the line leads to the nearest state: {phrase}"));
-    }
-    if let (Some(planner), 1..) = (&answer.answered_by, answer.nodes) {
-        let c = &answer.coverage;
-        notes.push(format!(
-            "{} nodes, {} places of {} px, {} combinations of modes ({planner})",
-            answer.nodes, c.places, c.place, c.mode_combinations
-        ));
-    }
-    notes
 }
 
 /// `, with luck: 1 in 36`; nothing if none is needed.
@@ -259,6 +235,18 @@ fn search_text(answer: &Answer, seconds: f64) -> String {
             "    inputs that change only every {} steps (axes at -1, 0 and 1) lead to {}, not there; others may\n",
             tried.hold,
             counted(tried.states, "state")
+        ));
+    }
+    if let Some(visit) = answer.unfinished {
+        let without = match visit.left_out {
+            0 => String::new(),
+            1 => ", without 1 instance that can act only by contacts".to_string(),
+            more => format!(", without {more} instances that can act only by contacts"),
+        };
+        out.push_str(&format!(
+            "    all states within {} were visited{without}: {}\n",
+            counted(u64::from(visit.steps), "step"),
+            counted(visit.states, "state")
         ));
     }
     answer.windows.iter().for_each(|left| out.push_str(&window(left)));

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::Path;
 
+use crate::ask::RunOutcome;
 use crate::diagnostic::render;
 use crate::diagnostic::{Diagnostics, Severity};
 use crate::sim::{Script, Simulator};
@@ -10,7 +11,6 @@ use crate::source::SourceMap;
 use crate::watch::Watch;
 
 use crate::cli::page::{Moment, Report, Tone, Way, Witness};
-use crate::cli::pictures::Outcome;
 use crate::cli::play::export::Carried;
 
 /// What was said about a run, and its picture.
@@ -18,7 +18,7 @@ pub(super) struct Said<'s> {
     pub text: &'s str,
     pub unmet: &'s [String],
     pub findings: (&'s SourceMap, &'s Diagnostics),
-    pub outcome: &'s Outcome<'s>,
+    pub outcome: &'s RunOutcome<'s>,
     pub picture: String,
 }
 

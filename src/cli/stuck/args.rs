@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::args::output::output;
 use crate::cli::args::{LevelArgs, ResultFormat, SetArgs, seconds};
 
 #[derive(Debug, Args)]
@@ -50,6 +51,6 @@ pub(in crate::cli) struct StuckArgs {
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
     /// Draws the level with the stuck places and the ways into them to an SVG file.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = output())]
     pub svg: Option<PathBuf>,
 }

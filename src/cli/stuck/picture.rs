@@ -10,7 +10,7 @@ use crate::watch::Watch;
 
 use super::result::StuckResult;
 use super::text::{summary, verdict};
-use crate::cli::reach::files::recorded;
+use crate::ask::recorded;
 
 /// Maximum number of ways in a picture.
 const MAX_DRAWN: usize = 4;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::cli::args::output::output;
 use crate::cli::args::{LevelArgs, ResultFormat, SetArgs, seconds};
 
 #[derive(Debug, Args)]
@@ -47,7 +48,7 @@ pub(in crate::cli) struct TestArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub threads: Option<u16>,
     /// The folder of the ways that were found, for instance beside the program and under version control.
-    #[arg(long, value_name = "DIR", help_heading = "The search")]
+    #[arg(long, value_name = "DIR", value_parser = output(), help_heading = "The search")]
     pub ways: Option<PathBuf>,
     /// Keeps no ways and replays none.
     #[arg(long, conflicts_with = "ways", help_heading = "The search")]
@@ -59,10 +60,10 @@ pub(in crate::cli) struct TestArgs {
     #[arg(long, help_heading = "The result")]
     pub coverage: bool,
     /// Writes the coverage as an lcov tracefile, which editors show beside the text.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub lcov: Option<PathBuf>,
     /// Writes a JUnit report.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub junit: Option<PathBuf>,
     /// Shows the failures and the summary only.
     #[arg(short, long, help_heading = "The result")]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 
 use crate::cli::args::level::{LevelArgs, seconds};
+use crate::cli::args::output::output;
 use crate::cli::args::set::SetArgs;
 use crate::cli::args::{ResultFormat, chance_seed};
 use crate::cli::time::Time;
@@ -92,16 +93,16 @@ pub(in crate::cli) struct TuneArgs {
     #[arg(short, long, help_heading = "The result")]
     pub verbose: bool,
     /// Writes the values that were tried to a CSV file.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub csv: Option<PathBuf>,
     /// Draws the verdicts of the values that were tried to an SVG file; for one number.
-    #[arg(long, value_name = "PATH", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub svg: Option<PathBuf>,
     /// Writes the inputs that reach the goal after the change to a file.
-    #[arg(long, value_name = "PATH", conflicts_with = "prevent", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), conflicts_with = "prevent", help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
     /// Writes the file that holds the map, with the changed tiles, to another file.
-    #[arg(long, value_name = "PATH", requires = "tiles", help_heading = "The result")]
+    #[arg(long, value_name = "PATH", value_parser = output(), requires = "tiles", help_heading = "The result")]
     pub save_map: Option<PathBuf>,
 }
 

@@ -12,7 +12,7 @@ pub(in crate::cli) use {result::json_schema, tiles::json_schema as tiles_schema}
 use std::io::{self, Write};
 use std::time::Instant;
 
-use crate::ask::{read_scripts, unknown};
+use crate::ask::{Without, read_scripts, unknown};
 use crate::compile::{
     Asked, Changes, Compilation, ExtraConstraint, ExtraQuestion, NumberSetting, compile_changed, question_name,
     written_number,
@@ -36,7 +36,6 @@ use crate::cli::reach::shade;
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, choose_world, find_world, load_changed, plain_error, program_sha256, written};
 use crate::cli::watches::{CommandWatch, interrupted};
-use crate::cli::without::Without;
 use args::{TuneArgs, Vary};
 use result::{RESULT_VERSION, TuneResult, csv_text};
 use text::result_text;

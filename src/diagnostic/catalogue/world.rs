@@ -224,6 +224,35 @@ impl Fact for MissingLimit {
     }
 }
 
+/// A place above a tag that is nowhere.
+pub struct NoPlaceAbove {
+    /// The tag.
+    pub at: Span,
+    /// The tag.
+    pub tag: String,
+    /// The space.
+    pub space: String,
+    /// Where in the space, px; none if the space has no map.
+    pub x: Option<f64>,
+}
+
+impl Fact for NoPlaceAbove {
+    fn into_diagnostic(self) -> Diagnostic {
+        let NoPlaceAbove { at, tag, space, x } = self;
+        let tag = as_tag(&tag);
+        match x {
+            Some(x) => {
+                Diagnostic::new(Code::NoPlaceAbove, format!("no tile with room above it is tagged `{tag}` at x = {x}"))
+                    .at(at, format!("nothing to stand on in the map of `{space}`"))
+                    .help("choose another x, or write the height as a number")
+            }
+            None => Diagnostic::new(Code::NoPlaceAbove, format!("`above {tag}` in a space without a map"))
+                .at(at, format!("`{space}` has no tiles"))
+                .help("write the height as a number; what is above a `rect` begins at its upper edge, y plus height"),
+        }
+    }
+}
+
 /// A tile with `as` that does not occur exactly once.
 pub struct TileInstances {
     /// The name.

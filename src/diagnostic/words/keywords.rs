@@ -319,7 +319,8 @@ pub const MEANINGS: &[Meaning] = &[
     ),
     means(
         "above",
-        "Only what comes from above is blocked: a platform to jump through.",
+        "`block from above`: only what comes from above is blocked, a platform to jump through. In `place … at (x, above \
+         TAG)`: on the lowest tile with the tag over which there is room.",
         "collide body with cloud: block from above",
     ),
     means(

@@ -44,7 +44,7 @@ pub(super) fn kind(automaton: Element<'_, '_>, declared: Element<'_, '_>) -> Kin
     if !is_whole {
         return Kind::Undriven;
     }
-    let greatest = written.iter().fold(0.0, |most: f64, n| most.max(n.abs()));
+    let greatest = written.iter().map(|n| n.abs()).fold(0.0, |most: f64, n| if n > most { n } else { most });
     let mut high = 99;
     while (high as f64) < greatest {
         high = high * 10 + 9;
@@ -65,7 +65,7 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
         let guard = node.parent().map(|edge| automaton.at(edge)).and_then(|edge| edge.first("guard"));
         match expression::read(value.text, |_| false) {
             Ok(Expr::Binary('-', left, amount)) if *left == Expr::Name(name.into()) => {
-                let least = guard.map(required).unwrap_or_default().into_iter().filter_map(|c| {
+                let mut least = guard.map(required).unwrap_or_default().into_iter().filter_map(|c| {
                     let limit = expression::read(c.value("right")?.text, |_| false).ok()?.constant()?;
                     match (c.value("left")?.text == name, c.value("op")?.text) {
                         (true, ">") => Some(limit.floor() + 1.0),
@@ -73,7 +73,7 @@ fn stays(automaton: Element<'_, '_>, name: &str) -> bool {
                         _ => None,
                     }
                 });
-                amount.constant().is_some_and(|n| least.fold(f64::NEG_INFINITY, f64::max) >= n)
+                amount.constant().is_some_and(|n| least.any(|at_least| at_least >= n))
             }
             Ok(other) => {
                 let mut falls = false;

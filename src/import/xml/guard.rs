@@ -257,7 +257,7 @@ impl Guard {
                 (">=" | "==", limit) => Some(limit.ceil()),
                 _ => None,
             },
-            Guard::All(parts) => parts.iter().filter_map(|p| p.least(name)).reduce(f64::max),
+            Guard::All(parts) => parts.iter().filter_map(|p| p.least(name)).reduce(|a, b| if b > a { b } else { a }),
             _ => None,
         }
     }

@@ -31,6 +31,8 @@ pub(in crate::lsp) struct SimArguments {
     pub steps: Option<u64>,
     /// The seed of what nature draws.
     pub chance: Option<u64>,
+    /// Whether a picture of the run is wanted.
+    pub picture: bool,
 }
 
 /// The arguments of `reach`.
@@ -55,6 +57,8 @@ pub(in crate::lsp) struct ReachArguments {
     pub chance: Option<u64>,
     /// Whether paths are made faster and simpler.
     pub minimize: bool,
+    /// Whether a picture of each search is wanted.
+    pub picture: bool,
 }
 
 /// The arguments of `test`.

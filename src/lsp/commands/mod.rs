@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::ask::{Loaded, Refusal, RunResult, SimResult, WhyResult, find_world, open_world, read_scripts};
+use crate::ask::{Drawing, Loaded, Refusal, RunResult, SimResult, WhyResult, find_world, open_world, read_scripts};
 use crate::compile::{Changes, Compilation, LevelFile, NumberSetting, TestCase, compile_changed};
 use crate::ir::WorldId;
 use crate::lsp::buffers::Buffers;
@@ -40,10 +40,19 @@ pub(in crate::lsp) enum Command {
 #[derive(Serialize)]
 #[serde(untagged)]
 pub(in crate::lsp) enum Outcome {
-    Sim(Box<SimResult>),
-    Reach(Box<RunResult>),
+    Sim(Box<Drawn<SimResult>>),
+    Reach(Box<Drawn<RunResult>>),
     Test(Box<SuiteResult>),
     Why(Box<WhyResult>),
+}
+
+/// A result with the pictures that were asked for.
+#[derive(Serialize)]
+pub(in crate::lsp) struct Drawn<R> {
+    #[serde(flatten)]
+    result: R,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pictures: Vec<Drawing>,
 }
 
 /// Watches over a command.

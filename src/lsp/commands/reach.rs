@@ -2,21 +2,26 @@
 
 use std::ops::ControlFlow;
 
-use super::{Monitor, ReachArguments, named};
-use crate::ask::{Refusal, Refuted, RunResult, WITHOUT, no_goal, read_scripts, targets};
+use super::{Drawn, Monitor, ReachArguments, named};
+use crate::ask::{Drawing, Refusal, Refuted, RunResult, WITHOUT, Without, no_goal, read_scripts, search_svg, targets};
 use crate::compile::{Asked, Changes, ExtraConstraint, ExtraQuestion, added_nevers};
 use crate::corpus;
 use crate::ir::{World, WorldId};
 use crate::lsp::buffers::Buffers;
 use crate::reach::query::{Phase, Query, QueryError, Session, Supervisor};
 use crate::reach::{Limits, Settings, Target};
+use crate::view::Images;
 use crate::watch::Watch;
 
 /// The sources of what is asked beside the program.
 const GOALS: &str = "goals";
 const NEVERS: &str = "nevers";
 
-pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn Monitor) -> Result<RunResult, String> {
+pub(super) fn run(
+    arguments: &ReachArguments,
+    buffers: &Buffers,
+    monitor: &dyn Monitor,
+) -> Result<Drawn<RunResult>, String> {
     let ReachArguments { program, goals, nevers, without, after, .. } = arguments;
     let numbers = program.numbers()?;
     let world = program.world.as_deref();
@@ -28,14 +33,17 @@ pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn M
         .collect();
     let questions: Vec<ExtraQuestion<'_>> =
         texts.iter().map(|(asked, origin, text)| ExtraQuestion { asked: *asked, world, text, origin }).collect();
-    let constraint =
-        without.as_deref().map(|predicate| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT });
+    let avoided = without.as_deref().map(Without::read);
+    let excluded = avoided.and_then(Without::predicate);
+    let constraint = excluded.map(|predicate| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT });
     let changes = Changes { questions: &questions, constraint, numbers: &numbers };
     let (mut loaded, _) = program.load(&changes, buffers)?;
     let world = program.world(&loaded)?;
     let table = &loaded.program.worlds[world];
     // The compiler appends it.
-    let excluded = without.as_ref().and_then(|_| table.nevers.ids().next_back());
+    let excluded = excluded.and_then(|_| table.nevers.ids().next_back());
+    let unpressed = avoided.map_or(Ok(Vec::new()), |avoided| avoided.buttons(&loaded.program, table));
+    let unpressed = unpressed.map_err(|why| Refusal::of(why).sentence(&loaded.sources))?;
     let is_offered = |target: Target| excluded.map(Target::Never) != Some(target);
     let chosen = targets(table, (goals, nevers), &is_offered).and_then(|chosen| match chosen.is_empty() {
         true => Err(no_goal(table)),
@@ -45,12 +53,18 @@ pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn M
     let asked = added_nevers(&loaded.program, &loaded.sources, world, NEVERS);
     let scripts = read_scripts(&mut loaded, world, (after, "after"));
     let scripts = scripts.map_err(|why| why.sentence(&loaded.sources))?;
-    let settings = Settings { seed: arguments.seed.unwrap_or(1), explains: true, ..Settings::default() };
+    let settings = Settings {
+        seed: arguments.seed.unwrap_or(1),
+        explains: true,
+        records: arguments.picture,
+        ..Settings::default()
+    };
     let limits = Limits { nodes: arguments.nodes.unwrap_or(Limits::default().nodes), ..Limits::default() };
     let query = Query {
         settings,
         limits,
         without: excluded.into_iter().collect(),
+        unpressed,
         asked,
         after: scripts,
         minimizes: arguments.minimize,
@@ -74,11 +88,16 @@ pub(super) fn run(arguments: &ReachArguments, buffers: &Buffers, monitor: &dyn M
     let all =
         session.find_all(&mut phases).map_err(|error| refusal(&loaded.program, world, &error, &loaded.sources))?;
     result.refuted = session.refutation().map(|found| Refuted::new(&loaded.program, world, &found));
+    let mut pictures = Vec::new();
     for (mut found, seconds) in all.into_iter().zip(phases.seconds) {
         let answer = session.answer(&mut found, &loaded.sources);
+        if arguments.picture {
+            let svg = search_svg(&session, &found, &answer, &Images::default(), monitor);
+            pictures.push(Drawing { name: answer.goal.clone(), svg });
+        }
         result.add(answer, &found.outcome, seconds, false);
     }
-    Ok(result)
+    Ok(Drawn { result, pictures })
 }
 
 /// Why a session cannot answer.

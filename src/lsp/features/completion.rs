@@ -248,9 +248,10 @@ impl CompletionCollector<'_> {
                 self.words(&["any"]);
             }
             "inside" => {
-                let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
-                spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
+                self.spaces(world);
             }
+            // `place hero: Hero at (40, above ground)`
+            "at" if cursor.previous(1) == "above" => self.names_of_kind(NameKind::Tag),
             _ if before == "spawn" && matches!(cursor.previous(1), "(" | ",") => {
                 if let Some(entity) = self.entity(name) {
                     self.settings(entity, &assigned_names(self.code, cursor.word.start, "("));
@@ -275,10 +276,7 @@ impl CompletionCollector<'_> {
         let (last, before) = (cursor.previous(1), cursor.previous(2));
         let in_behavior = cursor.enclosing(Block::Behavior).map(|b| b.start);
         match (last, first) {
-            ("->", "link") => {
-                let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
-                spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
-            }
+            ("->", "link") => self.spaces(world),
             ("->", _) => {
                 // An edge stays in its group.
                 let group = cursor.enclosing(Block::Group).map(|group| group.name);
@@ -516,7 +514,13 @@ impl CompletionCollector<'_> {
         for (name, value) in KNOWN_CONSTANTS {
             self.add(1, name, CompletionKind::Constant, &format!("{value:.6}, unless the program declares it"));
         }
-        if in_world {
+        if cursor.block() == Some(Block::Space) && !cursor.statement.contains(&"when") {
+            self.spaces(world);
+            self.functions(is_arithmetic);
+            if cursor.calls.last().is_some_and(|call| call.name == "at" && call.argument == 1) {
+                self.words(&["above"]);
+            }
+        } else if in_world {
             self.instances(world);
             world.into_iter().for_each(|world| self.conditions(&world.conditions, None, &[]));
             self.functions(|name| is_arithmetic(name) || matches!(name, "near" | "distance" | "inside" | "count"));

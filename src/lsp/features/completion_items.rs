@@ -298,6 +298,11 @@ impl<'a> CompletionCollector<'a> {
         names.iter().for_each(|name| self.add(0, name, CompletionKind::Instance, "instance"));
     }
 
+    pub fn spaces(&mut self, world: Option<&World>) {
+        let spaces = world.into_iter().flat_map(|w| w.spaces.iter());
+        spaces.for_each(|s| self.add(0, &s.name.text, CompletionKind::Space, "space"));
+    }
+
     pub fn refs(&mut self, own: Option<&Entity>) {
         let refs = own.into_iter().flat_map(|e| e.refs.iter());
         refs.for_each(|r| self.add(0, &r.name.text, CompletionKind::Variable, "ref"));

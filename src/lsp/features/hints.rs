@@ -11,7 +11,6 @@ use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Term, TermKin
 use crate::sema::{ConstantContext, evaluate};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{Item, MapSource, Name, SpaceItem, World, WorldItem};
-use crate::syntax::{self};
 
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Text;
@@ -76,9 +75,8 @@ pub(in crate::lsp) enum LensCommand {
 
 /// The lenses of the worlds, goals and `never`s of a text.
 pub(in crate::lsp) fn code_lenses(text: &Text) -> Vec<CodeLens> {
-    let (tree, _) = syntax::parse(FileId(0), text.code());
     let mut out = Vec::new();
-    for item in &tree.items {
+    for item in &text.tree().items {
         let Item::World(world) = item else { continue };
         let (name, is_open) = (world.name.text.to_string(), leaves_map_open(world));
         out.push(CodeLens {

@@ -14,7 +14,7 @@ use crate::source::{FileId, Span};
 use crate::syntax;
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
 
-use super::hover_more::hover_more;
+use super::hover_more::{MapTile, hover_more};
 use super::navigate::{ProgramPosition, last_known_positions, word_at};
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::Snapshot;
@@ -35,9 +35,9 @@ pub(in crate::lsp) struct Hover {
     pub markdown: String,
 }
 
-/// The hover of a name or keyword, and of the finding at a position.
-pub(in crate::lsp) fn hover(view: &View, at: &FileOffset) -> Option<Hover> {
-    let more = || hover_more(view, at, |_| Vec::new());
+/// The hover of a name or keyword, and of the finding at a position; `of_tile` adds lines to that of a tile of a map.
+pub(in crate::lsp) fn hover(view: &View, at: &FileOffset, of_tile: &dyn Fn(&MapTile) -> Vec<String>) -> Option<Hover> {
+    let more = || hover_more(view, at, of_tile);
     let known = hover_name(view, at).or_else(more).or_else(|| hover_word(view, at));
     let parts: Vec<Hover> = known.into_iter().chain(hover_finding(view, at)).collect();
     let markdown = parts.iter().map(|part| part.markdown.as_str()).collect::<Vec<_>>().join("\n\n---\n\n");

@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
-use crate::source::FileId;
-use crate::syntax;
 use crate::syntax::ast::{Item, Map, MapSource, SpaceItem, Tile, World, WorldItem};
 
 use super::hover::Hover;
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::lsp::text::document_text::Text;
 use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::view::View;
 
@@ -29,6 +28,8 @@ pub(in crate::lsp) struct MapTile {
     pub column: usize,
     /// From 0 at the bottom.
     pub row: usize,
+    /// From 0 at the top.
+    pub line: usize,
     pub symbol: char,
     /// The statement that says what it stands for.
     pub declared: Option<String>,
@@ -37,10 +38,10 @@ pub(in crate::lsp) struct MapTile {
 }
 
 /// The hover at a position; `more` adds lines to that of a tile.
-pub(super) fn hover_more(view: &View, at: &FileOffset, more: impl FnOnce(&MapTile) -> Vec<String>) -> Option<Hover> {
+pub(super) fn hover_more(view: &View, at: &FileOffset, more: &dyn Fn(&MapTile) -> Vec<String>) -> Option<Hover> {
     let document = view.documents.get(&at.path)?;
     let code = document.text.code();
-    let (bytes, markdown) = match map_tile(code, at.byte) {
+    let (bytes, markdown) = match map_tile(&document.text, at.byte) {
         Some(tile) => {
             let MapTile { world, space, symbol, column, row, .. } = &tile;
             let place = format!("`{symbol}` in column {column}, row {row} of `{world}.{space}`, counted from 0 below");
@@ -89,9 +90,10 @@ fn unit(text: &str) -> Option<String> {
 }
 
 /// The tile of an inline map at an offset.
-pub(in crate::lsp) fn map_tile(code: &str, byte: usize) -> Option<MapTile> {
-    let (tree, _) = syntax::parse(FileId(0), code);
-    let worlds = tree.items.iter().filter_map(|item| if let Item::World(world) = item { Some(&**world) } else { None });
+pub(in crate::lsp) fn map_tile(text: &Text, byte: usize) -> Option<MapTile> {
+    let code = text.code();
+    let worlds =
+        text.tree().items.iter().filter_map(|item| if let Item::World(world) = item { Some(world) } else { None });
     worlds.into_iter().filter(|world| world.span.range().contains(&byte)).find_map(|world| in_world(world, code, byte))
 }
 
@@ -115,6 +117,7 @@ fn in_world(world: &World, code: &str, byte: usize) -> Option<MapTile> {
                 space: space.name.text.to_string(),
                 column: before.chars().count(),
                 row: rows.len() - 1 - index,
+                line: index,
                 symbol,
                 declared: tile.map(|tile| declaration(tile, code)),
                 bytes: byte..byte + symbol.len_utf8(),

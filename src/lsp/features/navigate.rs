@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::source::{FileId, Span, normalize};
+use crate::syntax::ast;
 use crate::syntax::ast::{Item, MapSource, Name};
 use crate::syntax::occurrence::{NameKind, Occurrence, Role};
-use crate::syntax::{self, ast};
 
 use crate::lsp::location::{FileOffset, Location};
 use crate::lsp::snapshot::{Snapshot, SymbolKey};
@@ -207,16 +207,14 @@ pub(in crate::lsp) struct Link {
 
 /// The paths of files in a text, resolved.
 pub(in crate::lsp) fn document_links(path: &Path, text: &Text) -> Vec<Link> {
-    let (tree, _) = syntax::parse(FileId(0), text.code());
     let link = |name: &Name| Link { bytes: inside_quotes(name, text.code()), target: resolve(path, &name.text) };
-    named_files(&tree).into_iter().map(link).collect()
+    named_files(text.tree()).into_iter().map(link).collect()
 }
 
 /// The file whose path is at a position.
 fn file_at(view: &View, at: &FileOffset) -> Option<PathBuf> {
     let document = view.documents.get(&at.path)?;
-    let (tree, _) = syntax::parse(FileId(0), document.text.code());
-    let name = named_files(&tree).into_iter().find(|name| name.span.range().contains(&at.byte))?;
+    let name = named_files(document.text.tree()).into_iter().find(|name| name.span.range().contains(&at.byte))?;
     Some(resolve(&at.path, &name.text))
 }
 

@@ -14,7 +14,6 @@ use super::navigate::{all_occurrences, keys_at, positions};
 use crate::lsp::documents::{Document, OpenDocuments};
 use crate::lsp::location::{Edit, FileOffset, Location};
 use crate::lsp::snapshot::{Snapshot, SymbolKey};
-use crate::lsp::text::document_text::Text;
 use crate::lsp::view::{Refusal, View};
 
 /// The ranges of a name in each file, in order: start and end offset.
@@ -132,13 +131,14 @@ fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
     for state in view.programs.values() {
         for (path, spans) in ranges {
             let Some(file) = state.current.file(path) else { continue };
-            let mut code = state.current.text(file).code().to_string();
+            let old = state.current.text(file);
+            let mut code = old.code().to_string();
             for (start, end) in spans.iter().rev() {
                 if code.get(*start as usize..*end as usize).is_some() {
                     code.replace_range(*start as usize..*end as usize, new);
                 }
             }
-            let text = Arc::new(Text::new(code));
+            let text = Arc::new(old.replaced(code));
             let document = Document { uri: String::new(), version: 0, is_program: true, text, edited: None };
             open.insert(path.clone(), document);
         }
@@ -146,7 +146,7 @@ fn verify(view: &View, ranges: &NameRanges, new: &str) -> Result<(), Refusal> {
     let open = Arc::new(open);
     for state in view.programs.values().filter(|state| touched(&state.current)) {
         let before = &*state.current;
-        let after = Snapshot::compile(&before.root, &open, &*view.disk);
+        let after = Snapshot::compile(&before.root, &open, &*view.disk, Some(before));
         let errors = |s: &Snapshot| s.ide.compilation.diagnostics.counts().0;
         if errors(&after) > errors(before) {
             let messages = |s: &Snapshot| -> Vec<String> {

@@ -55,9 +55,8 @@ pub(in crate::lsp) struct Symbol {
 /// The outline of a text.
 pub(in crate::lsp) fn document_symbols(text: &Text) -> Vec<Symbol> {
     let code = text.code();
-    let (tree, _) = syntax::parse(FILE, code);
     let outline = Outline { code };
-    tree.items.iter().map(|item| outline.item(item)).collect()
+    text.tree().items.iter().map(|item| outline.item(item)).collect()
 }
 
 /// Selection ranges: for each offset, the nested ranges that contain it, outermost first.

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use crate::lsp::text::document_text::Text;
-use crate::source::FileId;
 use crate::syntax;
 use crate::syntax::ast::{Item, MapSource, SpaceItem, WorldItem};
 
@@ -30,8 +29,8 @@ pub(in crate::lsp) struct RunnableWorld {
 
 /// The worlds of a text, in order.
 pub(in crate::lsp) fn runnable_worlds(text: &Text) -> Vec<RunnableWorld> {
-    let (tree, _) = syntax::parse(FileId(0), text.code());
-    let worlds = tree.items.iter().filter_map(|item| if let Item::World(world) = item { Some(world) } else { None });
+    let worlds =
+        text.tree().items.iter().filter_map(|item| if let Item::World(world) = item { Some(world) } else { None });
     let runnable = |world: &syntax::ast::World| {
         let named = |name: &syntax::ast::Name, end: usize| Named {
             name: name.text.to_string(),

@@ -7,8 +7,14 @@ use crate::lsp::text::document_text::Encoding;
 /// The command of editors that opens the list of completion items.
 pub(super) const SUGGEST: &str = "editor.action.triggerSuggest";
 
+/// The command of an editor that shows what was found of a tile, with the way there: its arguments are those of
+/// `hypedc/wayTo`.
+pub(super) const TILE: &str = "hypedc.tile";
+/// In the address of an explanation, what stands for the code.
+const CODE: &str = "{code}";
+
 /// The relevant capabilities of the client.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Client {
     /// The unit of columns: the first supported one in the client's order of preference.
     pub encoding: Encoding,
@@ -26,6 +32,10 @@ pub(super) struct Client {
     pub creates_files: bool,
     /// Whether it runs [`SUGGEST`] after a completion item.
     pub suggests_again: bool,
+    /// Whether it runs [`TILE`] from the text of a hover.
+    pub asks_about_tiles: bool,
+    /// The address of the page of a code, with `{code}` in place of it.
+    pub explanation: Option<String>,
     /// Whether it shows the findings of programs of the workspace that are not open.
     pub reports_closed: bool,
     /// Whether it supports snippets in completion items.
@@ -52,6 +62,9 @@ impl Client {
             "utf-32" => Some(Encoding::Utf32),
             _ => None,
         });
+        let commands = capabilities.pointer("/experimental/commands/commands").and_then(Value::as_array);
+        let runs = |command: &str| commands.is_some_and(|commands| commands.iter().any(|known| known == command));
+        let explanation = params["initializationOptions"]["explainUri"].as_str();
         Client {
             encoding: supported.into_iter().next().unwrap_or_default(),
             watches_files: flag("/workspace/didChangeWatchedFiles/dynamicRegistration"),
@@ -72,13 +85,19 @@ impl Client {
                 .pointer("/workspace/workspaceEdit/resourceOperations")
                 .and_then(Value::as_array)
                 .is_some_and(|operations| operations.iter().any(|o| o == "create")),
-            suggests_again: capabilities
-                .pointer("/experimental/commands/commands")
-                .and_then(Value::as_array)
-                .is_some_and(|commands| commands.iter().any(|command| command == SUGGEST)),
+            suggests_again: runs(SUGGEST),
+            asks_about_tiles: runs(TILE),
+            explanation: explanation.filter(|address| address.contains(CODE)).map(str::to_string),
             reports_closed: params["initializationOptions"]["workspaceDiagnostics"] == true,
             has_snippets: flag("/textDocument/completion/completionItem/snippetSupport"),
         }
+    }
+}
+
+impl Client {
+    /// The address of the page that explains a code; none if the client has no such pages.
+    pub fn explanation(&self, code: &str) -> Option<String> {
+        Some(self.explanation.as_ref()?.replace(CODE, code))
     }
 }
 

@@ -1,6 +1,7 @@
 //! What handlers read and change, and how a handler's result becomes a response.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 use gen_lsp_types as types;
 use lsp_server::{ErrorCode, Request, RequestId, Response};
@@ -8,13 +9,14 @@ use serde::Serialize;
 
 use super::client::Client;
 use super::tokens::SentTokens;
+use crate::lsp::verdicts::paint::Painted;
 use crate::lsp::verdicts::shown::Shown;
 use crate::lsp::view::{Refusal, View};
 
 /// An error response to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Failure {
-    code: i32,
+    pub code: i32,
     message: String,
 }
 
@@ -30,6 +32,13 @@ impl From<Refusal> for Failure {
     }
 }
 
+/// What was painted of a world.
+pub(super) struct PaintedWorld {
+    pub root: PathBuf,
+    pub world: String,
+    pub painted: Painted,
+}
+
 /// The documents and programs, and what is known about the client.
 pub(super) struct Context {
     pub view: View,
@@ -38,6 +47,8 @@ pub(super) struct Context {
     pub tokens: SentTokens,
     /// The live verdicts.
     pub verdicts: Shown,
+    /// What was painted of the documents as they are now.
+    pub painted: Vec<PaintedWorld>,
 }
 
 impl Context {

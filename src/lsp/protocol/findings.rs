@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gen_lsp_types::{
-    Code as WrittenCode, Diagnostic as ShownDiagnostic, DiagnosticRelatedInformation, DiagnosticSeverity,
-    DiagnosticTag, Location, Position, PublishDiagnosticsParams, Range, Uri,
+    Code as WrittenCode, CodeDescription, Diagnostic as ShownDiagnostic, DiagnosticRelatedInformation,
+    DiagnosticSeverity, DiagnosticTag, Location, Position, PublishDiagnosticsParams, Range, Uri,
 };
 
+use super::client::Client;
 use super::positions::{self, START};
 use super::uri::{path_of, uri_of};
-use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::diagnostic::{Code, Diagnostic, Diagnostics, Severity};
 use crate::lsp::features::findings::{is_unnecessary, message};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::alignment::Alignment;
@@ -119,6 +120,14 @@ pub(super) fn to_protocol_diagnostic(finding: &Diagnostic, snapshot: &Snapshot, 
         related_information: (!related.is_empty()).then_some(related),
         data: None,
     }
+}
+
+/// Says where the page of a finding's code is, if the client has one.
+pub(super) fn describe(finding: &mut ShownDiagnostic, client: &Client) {
+    let Some(WrittenCode::String(code)) = &finding.code else { return };
+    // The findings of verdicts have no page.
+    let address = Code::from_text(code).and_then(|code| client.explanation(code.text()));
+    finding.code_description = address.map(|address| CodeDescription { href: Uri(address) });
 }
 
 /// Whether a finding is about lines of the last change of an open document.

@@ -10,6 +10,7 @@ use serde_json::json;
 use super::context::{Context, Failure};
 use super::from_protocol::{file_bytes, mode_name, offset, position};
 use super::lenses::lenses;
+use super::painting::tile_lines;
 use super::to_protocol::{self, ToProtocol};
 use super::uri::path_of;
 use crate::lsp::documents::Document;
@@ -192,7 +193,8 @@ pub(super) fn range_formatting(
 
 pub(super) fn hover(context: &Context, params: types::HoverParams) -> Answer<types::HoverRequest> {
     let at = context.offset(&params.text_document_position_params);
-    Ok(hover::hover(&context.view, &at).map(|hover| context.to_protocol().hover(hover)))
+    let of_tile = |tile: &_| tile_lines(context, &at.path, tile);
+    Ok(hover::hover(&context.view, &at, &of_tile).map(|hover| context.to_protocol().hover(hover)))
 }
 
 pub(super) fn inlay_hints(context: &Context, params: types::InlayHintParams) -> Answer<types::InlayHintRequest> {

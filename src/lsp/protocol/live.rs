@@ -12,7 +12,7 @@ use lsp_server::{ErrorCode, Request, RequestId, Response};
 use serde_json::Value;
 
 use super::background::{Background, Brought, Errand, Job, Report, Task, What};
-use super::context::{Context, Failure, response};
+use super::context::{Context, Failure, PaintedWorld, response};
 use super::extensions::{self, ChooseLevelParams, WayToParams, WorldParams};
 use super::painting;
 use super::uri::path_of;
@@ -42,6 +42,8 @@ struct PendingErrand {
     root: PathBuf,
     /// The world of a request for levels.
     world: String,
+    /// The documents that it is about.
+    revision: u64,
 }
 
 /// What a report changes.
@@ -104,7 +106,8 @@ impl Live {
             Err(failure) => return Ok(Some(response::<()>(id, Err(failure)))),
         };
         let is_cancelled = Arc::new(AtomicBool::new(false));
-        let pending = PendingErrand { is_cancelled: Arc::clone(&is_cancelled), root: snapshot.root.clone(), world };
+        let pending =
+            PendingErrand { is_cancelled: Arc::clone(&is_cancelled), root: snapshot.root.clone(), world, revision };
         self.errands.insert(id.clone(), pending);
         let open = Arc::clone(context.view.documents.all());
         let _ = self.tasks.send(Task::Errand(Box::new(Errand { id, snapshot, open, revision, is_cancelled, what })));
@@ -131,6 +134,7 @@ impl Live {
                 }
             }
             Report::Levels(root, levels) => {
+                context.painted.retain(|of| of.root != root);
                 context.verdicts.chosen(&root, levels);
                 effects.shown.insert(root);
                 effects.asks_again = true;
@@ -151,7 +155,7 @@ impl Live {
             }
             Report::Brought(id, brought) => {
                 let Some(errand) = self.errands.remove(&id) else { return (effects, None) };
-                return (effects, Some(answer(context, id, &errand, brought)));
+                return (effects, Some(answer(context, id, (&errand, revision), brought)));
             }
             Report::Failed(root, why) => effects.failed = Some((root, why)),
         }
@@ -197,13 +201,19 @@ fn errand(context: &Context, method: &str, params: Value) -> Result<(Arc<Snapsho
 }
 
 /// The response to an errand.
-fn answer(context: &Context, id: RequestId, errand: &PendingErrand, brought: Brought) -> Response {
+fn answer(context: &mut Context, id: RequestId, (errand, newest): (&PendingErrand, u64), brought: Brought) -> Response {
     match brought {
         Brought::Levels(is_open, found) => {
             response(id, Ok(extensions::levels(&context.verdicts, (&errand.root, &errand.world), is_open, found)))
         }
         Brought::Painted(painted) => {
-            response(id, Ok(painting::painted(&context.view, context.client.encoding, &errand.world, &painted)))
+            let shown = painting::painted(&context.view, context.client.encoding, &errand.world, &painted);
+            context.painted.retain(|of| of.root != errand.root || of.world != errand.world);
+            let (root, world) = (errand.root.clone(), errand.world.clone());
+            if errand.revision == newest {
+                context.painted.push(PaintedWorld { root, world, painted });
+            }
+            response(id, Ok(shown))
         }
         Brought::WayTo(verdict) => {
             let level = context.verdicts.level(&errand.root, &errand.world);

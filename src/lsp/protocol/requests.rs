@@ -5,6 +5,7 @@ use lsp_server::{ErrorCode, Request, Response};
 
 use super::context::{Context, Failure, response};
 use super::edit_handlers;
+use super::explain::{ExplainRequest, explain};
 use super::handlers::{self, Answer};
 use super::play::Plays;
 use super::runnable::{TestsRequest, tests};
@@ -51,6 +52,7 @@ macro_rules! requests {
                 "hypedc/idle" | "hypedc/asked" => response(request.id, Ok(())),
                 "hypedc/page" => response(request.id, Ok(Plays::page())),
                 "hypedc/tests" => context.handle::<TestsRequest>(request, |context, params| tests(context, params)),
+                "hypedc/explain" => context.handle::<ExplainRequest>(request, |context, params| explain(context, params)),
                 "hypedc/text" => context.handle::<TextRequest>(request, |context, params| text(context, params)),
                 method => {
                     let failure = Failure::new(ErrorCode::MethodNotFound, format!("no method `{method}`"));

@@ -21,8 +21,9 @@ use super::client::{Client, wants_verdicts};
 use super::commands::{self, Begun};
 use super::context::{Context, Failure, response};
 use super::extensions;
-use super::findings::Published;
+use super::findings::{Published, describe};
 use super::from_protocol::{changes, folders};
+use super::inbox::Inbox;
 use super::live::{Effects, Live};
 use super::play::Plays;
 use super::requests::{self, Needs};
@@ -130,6 +131,7 @@ impl Server {
                 },
                 tokens: SentTokens::default(),
                 verdicts: Shown::default(),
+                painted: Vec::new(),
             },
             sender,
             published: Published::default(),
@@ -170,11 +172,10 @@ impl Server {
             select! {
                 recv(messages) -> message => {
                     let Ok(message) = message else { return self.has_shut_down };
-                    if !self.message(message) {
-                        return self.has_shut_down;
-                    }
-                    // Batch all pending messages into one job.
-                    while let Ok(message) = messages.try_recv() {
+                    // All waiting messages make one job.
+                    let Inbox { messages, given_up } = Inbox::of(message, messages);
+                    given_up.into_iter().for_each(|(id, failure)| self.respond::<()>(id, Err(failure)));
+                    for message in messages {
                         if !self.message(message) {
                             return self.has_shut_down;
                         }
@@ -202,6 +203,7 @@ impl Server {
             return;
         }
         self.revision += 1;
+        self.context.painted.clear();
         self.live.changed(self.revision);
         let outdated = self.context.verdicts.changed(&self.changed);
         self.outdate(&outdated);
@@ -554,12 +556,12 @@ impl Server {
         self.notify(method, params);
     }
 
-    /// Publishes the diagnostics of documents for which they changed.
     /// Whether the findings of a program are shown: it is open, or the client asks for those of the whole workspace.
     fn is_shown(&self, root: &Path) -> bool {
         self.context.client.reports_closed || self.context.view.documents.get(root).is_some()
     }
 
+    /// Publishes the diagnostics of documents for which they changed.
     fn publish(&mut self) {
         let (client, documents) = (&self.context.client, &self.context.view.documents);
         let is_open = |path: &Path| client.reports_closed || documents.get(path).is_some();
@@ -569,7 +571,8 @@ impl Server {
             snapshot.file(&path)?;
             Some(snapshot.document(&path)?.version)
         };
-        for params in self.published.update(is_open, version) {
+        for mut params in self.published.update(is_open, version) {
+            params.diagnostics.iter_mut().for_each(|finding| describe(finding, client));
             let params = serde_json::to_value(params).unwrap_or_default();
             let method = String::from(types::PublishDiagnosticsNotification::METHOD);
             let _ = self.sender.send(Notification { method, params }.into());

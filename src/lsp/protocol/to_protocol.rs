@@ -136,8 +136,11 @@ impl ToProtocol<'_> {
 
     /// A code action; `place` finds it again if its edits are asked for later.
     pub fn code_action(self, action: CodeAction<'_>, place: impl FnOnce() -> Value) -> types::CodeAction {
-        let shown =
-            |(snapshot, finding)| vec![findings::to_protocol_diagnostic(finding, snapshot, self.client.encoding)];
+        let shown = |(snapshot, finding)| {
+            let mut shown = findings::to_protocol_diagnostic(finding, snapshot, self.client.encoding);
+            findings::describe(&mut shown, self.client);
+            vec![shown]
+        };
         types::CodeAction {
             title: action.title,
             kind: Some(kinds::of_action(action.kind)),

@@ -58,7 +58,7 @@ type Analyzed = (Diagnostics, Option<Ranges>);
 
 /// What the worker runs for each program; tests of the worker run less than the compiler.
 pub(in crate::lsp) struct Stages {
-    pub compile: fn(&Path, &Arc<OpenDocuments>, &dyn Workspace) -> Snapshot,
+    pub compile: fn(&Path, &Arc<OpenDocuments>, &dyn Workspace, Option<&Snapshot>) -> Snapshot,
     /// `None` without a program, or if the watch stopped it.
     pub analyze: fn(&Snapshot, &dyn Watch) -> Option<Box<Analyzed>>,
 }
@@ -211,7 +211,7 @@ impl Worker {
         job: &Job,
         before: Option<Arc<Snapshot>>,
     ) -> Option<Option<(PathBuf, Arc<Snapshot>)>> {
-        let compile = || (self.stages.compile)(path, &job.open, &*self.disk);
+        let compile = || (self.stages.compile)(path, &job.open, &*self.disk, before.as_deref());
         let snapshot = match catch_unwind(AssertUnwindSafe(compile)) {
             Ok(snapshot) => {
                 let snapshot = Arc::new(snapshot);
@@ -297,7 +297,7 @@ mod tests {
     }
 
     /// Reads the file.
-    fn compile(path: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace) -> Snapshot {
+    fn compile(path: &Path, open: &Arc<OpenDocuments>, disk: &dyn Workspace, _: Option<&Snapshot>) -> Snapshot {
         disk.read(path).unwrap();
         let (sources, diagnostics) = (SourceMap::new(), Diagnostics::default());
         let compilation = Compilation { sources, program: None, diagnostics, tests: Vec::new() };

@@ -66,7 +66,7 @@ impl Service {
             Request::Completion { path, at } => self
                 .at(&path, at, |view, text, at| completion::completion(view, at).map(|found| completions(text, found))),
             Request::Hover { path, at } => self.at(&path, at, |view, text, at| {
-                let hover::Hover { at, markdown } = hover::hover(view, at)?;
+                let hover::Hover { at, markdown } = hover::hover(view, at, &|_| Vec::new())?;
                 let Range { start: from, end: to } = units_of(text.code(), &at.bytes);
                 Some(Answer::Hover { from, to, markdown })
             }),
@@ -134,8 +134,9 @@ impl Service {
             roots.insert(changed.to_path_buf());
         }
         for root in roots {
-            let current = Arc::new(Snapshot::compile(&root, self.view.documents.all(), &*self.view.disk));
             let before = self.view.programs.remove(&root);
+            let old = before.as_ref().map(|state| &*state.current);
+            let current = Arc::new(Snapshot::compile(&root, self.view.documents.all(), &*self.view.disk, old));
             let (last_good, ranges) = before.map_or((None, None), |state| (state.last_good, state.ranges));
             let last_good = if current.is_error_free() { Some(Arc::clone(&current)) } else { last_good };
             self.view.programs.insert(root, ProgramState { current, last_good, findings: None, ranges });

@@ -3,6 +3,11 @@
 //! such as `line-index` do not support a lone CR, which the protocol allows.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
+
+use crate::source::FileId;
+use crate::syntax::ast::File;
+use crate::syntax::{Parsed, reparse};
 
 /// A position in a text: line and column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,13 +40,24 @@ impl Encoding {
     }
 }
 
-/// A text with an index of its lines.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A text with an index of its lines, and its syntax tree: it is parsed once, whoever asks first.
+#[derive(Debug, Clone)]
 pub(in crate::lsp) struct Text {
     whole: String,
     /// The offset of each line.
     starts: Vec<u32>,
+    parsed: OnceLock<Arc<Parsed>>,
+    /// The text before the last changes.
+    before: Option<Arc<Parsed>>,
 }
+
+impl PartialEq for Text {
+    fn eq(&self, other: &Self) -> bool {
+        self.whole == other.whole
+    }
+}
+
+impl Eq for Text {}
 
 /// A file may begin with it; the compiler skips it.
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -50,7 +66,22 @@ impl Text {
     pub fn new(whole: impl Into<String>) -> Self {
         let whole = whole.into();
         let starts = line_starts(&whole);
-        Text { whole, starts }
+        Text { whole, starts, parsed: OnceLock::new(), before: None }
+    }
+
+    /// Another text, most of which is probably the same.
+    pub fn replaced(&self, whole: impl Into<String>) -> Self {
+        Text { before: self.parsed.get().or(self.before.as_ref()).cloned(), ..Text::new(whole) }
+    }
+
+    /// The code as it was parsed, as the file 0.
+    pub fn parsed(&self) -> &Arc<Parsed> {
+        self.parsed.get_or_init(|| Arc::new(reparse(FileId(0), self.code(), self.before.as_deref())))
+    }
+
+    /// The syntax tree of the code, as the file 0.
+    pub fn tree(&self) -> &File {
+        &self.parsed().file
     }
 
     /// The text as the editor has it.
@@ -122,6 +153,8 @@ impl Text {
             None => text.clone_into(&mut self.whole),
         }
         self.starts = line_starts(&self.whole);
+        // An edit within a statement leaves most of the tree as it is.
+        self.before = self.parsed.take().or(self.before.take());
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use crate::compile::{Asked, Changes, Compilation, ExtraQuestion, compile_changed, is_name, question_name};
-use crate::ir::{Bounds, Push, SlotId, TagSet, World, WorldId};
+use crate::ir::{Bounds, Extremes, Push, SlotId, TagSet, World, WorldId};
 use crate::lsp::buffers::Buffers;
 use crate::reach::query::{Kind, Query, Session};
 use crate::reach::{End, Limits, Planner, Settings, Target, TileTrail, Trail};
@@ -80,6 +80,15 @@ pub(in crate::lsp) struct TilePlace {
 }
 
 impl Painted {
+    /// The tile whose character begins at a byte of a file.
+    pub fn tile_at(&self, path: &std::path::Path, text: &str, byte: usize) -> Option<&PaintedTile> {
+        self.spaces.iter().filter(|space| space.path == path).find_map(|space| {
+            let row = space.rows.iter().position(|row| row.contains(&byte))?;
+            let column = text.get(space.rows.get(row)?.start..byte)?.chars().count();
+            space.tiles.get(row * space.columns + column).filter(|_| column < space.columns)
+        })
+    }
+
     /// The way to a tile that was seen; its inputs were simulated.
     pub fn way_to(&self, place: &TilePlace) -> Option<Verdict> {
         let space = self.spaces.iter().find(|space| space.name == place.space)?;
@@ -230,10 +239,10 @@ fn in_tile(
     let boxes: Option<Vec<Bounds>> = boxes.map(|sides| sides.map(Bounds::new)).collect();
     let boxes = boxes.ok_or_else(|| format!("the body of `{name}` changes its size"))?;
     let hull = boxes.into_iter().reduce(|a, b| Bounds {
-        left: a.left.min(b.left),
-        right: a.right.max(b.right),
-        bottom: a.bottom.min(b.bottom),
-        top: a.top.max(b.top),
+        left: a.left.least(b.left),
+        right: a.right.greatest(b.right),
+        bottom: a.bottom.least(b.bottom),
+        top: a.top.greatest(b.top),
     });
     let body = hull.unwrap_or(Bounds { left: 0.0, right: 0.0, bottom: 0.0, top: 0.0 });
     let (inset, beyond) = if hull.is_some() { (NEAR, ">") } else { (0.0, ">=") };

@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::*;
+use crate::ir::Extremes;
 
 const PENALTY: f32 = 0.05;
 /// Low thresholds, so that all structures are exercised.
@@ -309,12 +310,12 @@ fn of_two_ways_around_the_shorter_counts() {
         points.iter().for_each(|point| index.push(point, &[]));
         let brute = |point: &[f32; 2]| {
             let way = |a: f32, b: f32, size: f32| [a - b, a - b + size, a - b - size].map(f32::abs);
-            let least = |ways: [f32; 3]| ways.into_iter().fold(f32::INFINITY, f32::min);
+            let least = |ways: [f32; 3]| ways.into_iter().fold(f32::INFINITY, f32::least);
             let (x, y) = (least(way(point[0], query[0], 10.0)), least(way(point[1], query[1], 100.0)));
             x * x + y * y
         };
         let found = index.nearest(&query, &[]).unwrap();
-        let least = points.iter().map(brute).fold(f32::INFINITY, f32::min);
+        let least = points.iter().map(brute).fold(f32::INFINITY, f32::least);
         assert!((found.distance - least).abs() < 1e-3, "{query:?}: {found:?}, {least}");
         found.index
     };

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use super::linear::{Best, Linear, Query};
+use crate::ir::Extremes;
 
 /// Maximum number of varying coordinates; above it, a tree visits nearly all points.
 pub(super) const MAX_AXES: usize = 12;
@@ -141,7 +142,7 @@ impl Reach {
     /// `None` if no point of the tree can be the nearest.
     fn radius(&self, best: &Best) -> Option<f32> {
         let within = f64::from(best.distance) * (1.0 + self.slack) - self.outside;
-        (within >= 0.0).then(|| ((within * (1.0 + self.slack)) as f32).min(f32::MAX))
+        (within >= 0.0).then(|| ((within * (1.0 + self.slack)) as f32).least(f32::MAX))
     }
 }
 

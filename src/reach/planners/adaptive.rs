@@ -10,6 +10,7 @@
 use hashbrown::HashTable;
 use rand::RngExt;
 
+use crate::ir::Extremes;
 use crate::reach::coverage::mix;
 use crate::reach::metric::{Metric, Point};
 use crate::reach::region::GoalRegion;
@@ -62,8 +63,8 @@ impl Adaptive {
 
     /// The weight of each source.
     fn weights(&self) -> [f32; 3] {
-        let rates = self.yields.map(|(new, all)| new / all.max(1e-3));
-        let sum: f32 = rates.iter().sum::<f32>().max(1e-6);
+        let rates = self.yields.map(|(new, all)| new / all.greatest(1e-3));
+        let sum: f32 = rates.iter().sum::<f32>().greatest(1e-6);
         rates.map(|rate| MIN_SHARE + (1.0 - 3.0 * MIN_SHARE) * rate / sum)
     }
 

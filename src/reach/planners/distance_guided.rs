@@ -17,7 +17,7 @@ use std::collections::BinaryHeap;
 use hashbrown::HashMap;
 use rand::RngExt;
 
-use crate::ir::{SlotId, VarId};
+use crate::ir::{Extremes, SlotId, VarId};
 use crate::reach::coverage::{PLACE, mix};
 use crate::reach::distance::DistanceField;
 use crate::reach::metric::{Metric, Point, Quantity};
@@ -78,7 +78,7 @@ impl<'m> DistanceGuided<'m> {
         let is_player = |slot: SlotId| problem.players().contains(&slot);
         let velocity = |(index, c): (usize, &crate::reach::metric::Coordinate)| match c.quantity {
             Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
-                let width = (c.high - c.low).max(f64::MIN_POSITIVE);
+                let width = (c.high - c.low).greatest(f64::MIN_POSITIVE);
                 Some((index, (VELOCITIES * c.unit / width) as f32, c.scaled(c.low)))
             }
             _ => None,

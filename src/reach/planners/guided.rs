@@ -9,6 +9,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use crate::ir::Extremes;
 use crate::reach::metric::{MODE_PENALTY, Point};
 use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
@@ -76,7 +77,7 @@ impl<S: Strategy> Guided<S> {
             self.left = 0;
             return;
         }
-        let step = (self.extension_length.0 / self.extension_length.1.max(1) as f64).max(1e-6) as f32;
+        let step = (self.extension_length.0 / self.extension_length.1.max(1) as f64).greatest(1e-6) as f32;
         self.open.push(Ranked { cost: so_far as f32 + distance.sqrt() / step, so_far, node });
     }
 }

@@ -7,6 +7,7 @@
 
 use rand::RngExt;
 
+use crate::ir::Extremes;
 use crate::reach::search_context::SearchContext;
 use crate::reach::tree::NodeId;
 
@@ -36,7 +37,7 @@ impl ViolationFrequencies {
         let mut at = Some(node);
         while let Some(node) = at.filter(|_| term >= MIN_TERM) {
             if let Some(violation) = self.frequencies.get_mut(node.index()) {
-                *violation = (*violation + term).min(1.0);
+                *violation = (*violation + term).least(1.0);
             }
             // With a single input the term does not decrease until an ancestor with a choice.
             term *= share;

@@ -9,7 +9,7 @@ use crate::source::SourceMap;
 
 use super::super::conclusion::Conclusion;
 use super::super::coverage::{Count, PLACE};
-use super::super::outcome::{Argument, Cut, End, Outcome, Verdict};
+use super::super::outcome::{Argument, Cut, End, Outcome, Unfinished, Verdict};
 use super::super::probability::Luck;
 use super::super::problem::Target;
 use super::super::why_not::WhyNot;
@@ -126,6 +126,18 @@ pub struct ExhaustedHold {
     pub states: u64,
 }
 
+/// How far an exhaustive search of all inputs got that did not visit all states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct UnfinishedVisit {
+    /// The number of different states that it visited.
+    pub states: u64,
+    /// It visited all states that this number of steps leads to.
+    pub steps: u32,
+    /// The number of instances that it left out: they can act on the others only by contacts.
+    pub left_out: u32,
+}
+
 /// The search window of a space, where branches ended because a player left it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
@@ -186,6 +198,10 @@ pub struct Answer {
     pub is_withdrawn: bool,
     /// If all states were visited: their number.
     pub states: Option<u64>,
+    /// If all states were visited: the number of instances that were left out, as they can act on the others only by
+    /// contacts. Left out if there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<u32>,
     /// If it takes more steps than allowed: a lower bound of their number.
     pub least_steps: Option<u64>,
     /// The number of steps of the path; null if there is none.
@@ -221,6 +237,9 @@ pub struct Answer {
     pub coverage: CoverageSummary,
     /// If nothing was found: inputs with the shortest hold that were all tried.
     pub exhausted: Option<ExhaustedHold>,
+    /// If nothing was found: how far a search of all inputs got. Left out if there was none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unfinished: Option<UnfinishedVisit>,
     /// If nothing was found: search windows that branches left.
     pub windows: Vec<SearchWindow>,
     /// Counterexamples that were met on the way.
@@ -256,6 +275,7 @@ impl Answer {
             assumptions: Vec::new(),
             is_withdrawn: false,
             states: None,
+            left_out: None,
             least_steps: None,
             steps: None,
             seconds_of_play: None,
@@ -273,6 +293,7 @@ impl Answer {
             checked_states: 0,
             coverage: CoverageSummary::default(),
             exhausted: None,
+            unfinished: None,
             windows: Vec::new(),
             violations: Vec::new(),
             inputs_left_out: false,
@@ -314,6 +335,12 @@ impl Answer {
                 Verdict::Unreachable(Argument::Exhaustion(all)) | Verdict::Exhausted(all) => Some(all.states),
                 _ => None,
             },
+            left_out: match outcome.verdict {
+                Verdict::Unreachable(Argument::Exhaustion(all)) | Verdict::Exhausted(all) => {
+                    Some(all.left_out).filter(|left_out| *left_out > 0)
+                }
+                _ => None,
+            },
             least_steps: match argument {
                 Some(Argument::Distance(far)) => Some(far.least),
                 _ => None,
@@ -333,6 +360,11 @@ impl Answer {
             checked_states: statistics.checked,
             coverage: CoverageSummary::new(outcome.covered.all, outcome.covered.half),
             exhausted: outcome.exhausted.map(|(hold, states)| ExhaustedHold { hold, states }),
+            unfinished: outcome.unfinished.map(|Unfinished { states, steps, left_out }| UnfinishedVisit {
+                states,
+                steps,
+                left_out,
+            }),
             windows: match outcome.verdict {
                 Verdict::NotFound => outcome.cuts.iter().map(|cut| SearchWindow::new(world, cut)).collect(),
                 _ => Vec::new(),

@@ -8,7 +8,9 @@ mod robust;
 mod session;
 mod wording;
 
-pub use answer::{Answer, Counterexample, CoverageSummary, ExhaustedHold, Kind, ProofMethod, SearchWindow};
+pub use answer::{
+    Answer, Counterexample, CoverageSummary, ExhaustedHold, Kind, ProofMethod, SearchWindow, UnfinishedVisit,
+};
 pub use robust::{ChangeRecord, FirstPath, FoundRobust, RobustRecord, SuccessRecord, TimingErrors};
 pub use session::{Found, Phase, Query, QueryError, Session, Supervisor, replay};
 pub use wording::{is_bounded, proof_reasons, unpressed_words};

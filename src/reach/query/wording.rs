@@ -13,10 +13,9 @@ pub(super) fn reasons(sources: &SourceMap, program: &Program, world: &World, ver
     match verdict {
         Verdict::Unreachable(argument) => argument_reasons(sources, program, world, argument),
         Verdict::Exhausted(all) => {
-            vec![
-                visited(*all, has_draws(program, world)),
-                "values of axes between these were not tried, and can make a difference".to_string(),
-            ]
+            let between = "values of axes between these were not tried, and can make a difference".to_string();
+            let visited = visited(*all, has_draws(program, world));
+            [visited].into_iter().chain(left_out(all.left_out)).chain([between]).collect()
         }
         Verdict::Reached(_) | Verdict::NotFound => Vec::new(),
     }
@@ -35,7 +34,10 @@ fn argument_reasons(sources: &SourceMap, program: &Program, world: &World, argum
                 format!("it takes at least {least} {steps} ({seconds:.2} s)"),
             ]
         }
-        Argument::Exhaustion(all) => vec![visited(*all, has_draws(program, world))],
+        Argument::Exhaustion(all) => {
+            let visited = visited(*all, has_draws(program, world));
+            [visited].into_iter().chain(left_out(all.left_out)).collect()
+        }
         Argument::Over => vec!["every run is over before it begins".to_string()],
     }
 }
@@ -46,7 +48,7 @@ fn has_draws(program: &Program, world: &World) -> bool {
 }
 
 /// Describes the states that an exhaustive search visited.
-fn visited(Exhaustion { states, min_hold }: Exhaustion, has_draws: bool) -> String {
+fn visited(Exhaustion { states, min_hold, .. }: Exhaustion, has_draws: bool) -> String {
     let held = match min_hold {
         1 => "that can change at every step".to_string(),
         steps => format!("that are held for at least {steps} steps"),
@@ -54,6 +56,16 @@ fn visited(Exhaustion { states, min_hold }: Exhaustion, has_draws: bool) -> Stri
     let states = if states == 1 { "the only state was".to_string() } else { format!("all {states} states were") };
     let drawn = if has_draws { ", all that nature can draw" } else { "" };
     format!("{states} visited to which inputs lead {held}: all buttons, axes at -1, 0 and 1{drawn}")
+}
+
+/// Describes what an exhaustive search left out; nothing if nothing was.
+pub(super) fn left_out(instances: u32) -> Option<String> {
+    let (were, they) = match instances {
+        0 => return None,
+        1 => ("1 instance was".to_string(), "it"),
+        more => (format!("{more} instances were"), "they"),
+    };
+    Some(format!("{were} left out: {they} can act only by contacts, which counted as possible wherever {they} can be"))
 }
 
 /// One reason for each part of a predicate that cannot hold. `sources` hold the text of the predicates.

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{DiscreteId, SpaceId};
+use crate::ir::{DiscreteId, Extremes, SpaceId};
 use crate::sim::Control;
 
 use super::super::coverage::{PLACE, mix};
@@ -119,7 +119,7 @@ impl<'a> Guide<'a> {
         for (index, (point, step)) in points.iter().enumerate() {
             if let Some((before, _)) = index.checked_sub(1).and_then(|before| points.get(before)) {
                 // A step through a link is as long as a place.
-                length += point.distance(before).min(LENGTH);
+                length += point.distance(before).least(LENGTH);
             }
             place = (length / LENGTH) as usize;
             places.push(place);

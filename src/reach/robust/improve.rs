@@ -14,6 +14,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::analysis::ConfigurationSpace;
+use crate::ir::Extremes;
 use crate::parallel::{self, TaskContext};
 use crate::watch::{Meter, Progress, Watch};
 
@@ -490,8 +491,8 @@ impl Improver<'_> {
             }
             let spread = |sum: f64, count: f64| if count > 0.0 { sum / count } else { 0.0 };
             let (mean, variance) = (spread(late, wins), spread(won, wins));
-            let noise = (variance / wins.max(1.0)).sqrt();
-            let weight = (spread(lost, all - wins) - variance).max(0.0);
+            let noise = (variance / wins.greatest(1.0)).sqrt();
+            let weight = (spread(lost, all - wins) - variance).greatest(0.0);
             Cause { weight, late: if mean.abs() > 1.5 * noise { mean } else { 0.0 } }
         };
         best.timeline.changes.iter().map(cause).collect()

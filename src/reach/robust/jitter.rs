@@ -3,6 +3,7 @@
 //! precision is the standard deviation of a normal distribution around the planned time.
 
 use super::super::coverage::mix;
+use crate::ir::Extremes;
 
 /// Errors beyond this number of standard deviations do not occur: one in 10¹⁵.
 const REACH: f64 = 8.0;
@@ -24,8 +25,8 @@ impl Jitter {
 
     /// Errors of this standard deviation, in steps: above 0, at most [`Jitter::MAX_SIGMA`].
     pub fn new(sigma: f64) -> Jitter {
-        let sigma = if sigma > 0.0 { sigma.min(Jitter::MAX_SIGMA) } else { f64::MIN_POSITIVE };
-        let most = (REACH * sigma).ceil().max(1.0) as i32;
+        let sigma = if sigma > 0.0 { sigma.least(Jitter::MAX_SIGMA) } else { f64::MIN_POSITIVE };
+        let most = (REACH * sigma).ceil().greatest(1.0) as i32;
         let whole = 2.0_f64.powi(64);
         // Conversions to integers saturate.
         let at_most = |error: i32| (below(f64::from(error) + 0.5, sigma) * whole) as u64;

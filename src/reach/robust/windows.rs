@@ -1,5 +1,6 @@
 //! The window of each change of a plan: by how much it alone can be too early or too late, found by replays.
 
+use crate::ir::Extremes;
 use crate::watch::{Meter, Watch};
 
 use super::jitter::Jitter;
@@ -114,7 +115,7 @@ pub(super) fn windows(
         let [early, late] = sides;
         let place = checkpoints.place(change.step);
         let before = timeline.value_before(index);
-        found.push(Window { change: *change, before, early, late, alone: alone.min(1.0), place });
+        found.push(Window { change: *change, before, early, late, alone: alone.least(1.0), place });
     }
     Some(found)
 }

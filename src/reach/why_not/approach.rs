@@ -1,7 +1,7 @@
 //! How near an instance is to a mode, or to a value of a discrete variable: the number of edges that have to be taken, and
 //! what the guard of the next one lacks.
 
-use crate::ir::{DiscreteId, EdgeId, Entity, Expr, ExprId, GroupId, Id, LeafId, ModeId, Place, SlotId};
+use crate::ir::{DiscreteId, EdgeId, Entity, Expr, ExprId, Extremes, GroupId, Id, LeafId, ModeId, Place, SlotId};
 use crate::sim::Simulator;
 
 use super::super::problem::Problem;
@@ -74,7 +74,7 @@ impl Approach {
             let cost = |(_, parts): &(EdgeId, Vec<Term>)| -> f64 {
                 parts.iter().map(|part| part.cost(sim, state, f64::INFINITY)).sum()
             };
-            let least = way.next.get(leaf)?.iter().map(cost).fold(f64::INFINITY, f64::min);
+            let least = way.next.get(leaf)?.iter().map(cost).fold(f64::INFINITY, f64::least);
             let share = if least.is_finite() { least / (1.0 + least) } else { 1.0 };
             Some((left, f64::from(left) - GUARD * (1.0 - share)))
         };

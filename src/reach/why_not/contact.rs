@@ -1,6 +1,6 @@
 //! The gap between the bodies of an instance and what it is to touch, between the boxes around them, px.
 
-use crate::ir::{Bounds, Id, Origin, Period, SlotId, Space, SpaceId, TagSet, TouchId};
+use crate::ir::{Bounds, Extremes, Id, Origin, Period, SlotId, Space, SpaceId, TagSet, TouchId};
 use crate::sim::Simulator;
 
 use super::super::goal_positions::extent;
@@ -78,7 +78,7 @@ impl Contact {
                 continue;
             }
             has_body = true;
-            least = least.min(self.gap_from(sim, state, space, &own.placed(position)));
+            least = least.least(self.gap_from(sim, state, space, &own.placed(position)));
         }
         if !has_body && let Some(body) = self.body {
             least = self.gap_from(sim, state, space, &body.placed(position));
@@ -123,7 +123,7 @@ impl Contact {
         let periods = sim.world().spaces[space].periods;
         let mut least = f64::INFINITY;
         for there in &self.statics[space.index()] {
-            least = least.min(gap(own, there, periods));
+            least = least.least(gap(own, there, periods));
         }
         for slot in &self.slots {
             let other = sim.instance(state, *slot);
@@ -132,7 +132,7 @@ impl Contact {
             }
             for (id, there) in other.colliders() {
                 if other.entity().colliders[id].tags.meets(self.other) {
-                    least = least.min(gap(own, &there.placed(other.position()), periods));
+                    least = least.least(gap(own, &there.placed(other.position()), periods));
                 }
             }
         }
@@ -143,10 +143,10 @@ impl Contact {
 /// The distance between two boxes, by the shorter way in a space that wraps.
 fn gap(a: &Bounds, b: &Bounds, [x, y]: [Option<Period>; 2]) -> f64 {
     let along = |(a_low, a_high): (f64, f64), (b_low, b_high): (f64, f64), period: Option<Period>| {
-        let apart = |shift: f64| (b_low + shift - a_high).max(a_low - b_high - shift).max(0.0);
+        let apart = |shift: f64| (b_low + shift - a_high).greatest(a_low - b_high - shift).greatest(0.0);
         match period {
             None => apart(0.0),
-            Some(period) => apart(0.0).min(apart(period.size())).min(apart(-period.size())),
+            Some(period) => apart(0.0).least(apart(period.size())).least(apart(-period.size())),
         }
     };
     let across = along((a.left, a.right), (b.left, b.right), x);

@@ -2,7 +2,8 @@
 //! that the common parts (a variable against a number) are read directly, and nothing is allocated.
 
 use crate::ir::{
-    Arithmetic, CompareOp, Domain, Expr, ExprId, Id, IdVec, ModeId, Program, SlotId, Subject, VarId, World, compare,
+    Arithmetic, CompareOp, Domain, Expr, ExprId, Extremes, Id, IdVec, ModeId, Program, SlotId, Subject, VarId, World,
+    compare,
 };
 use crate::sim::Simulator;
 
@@ -162,7 +163,7 @@ impl Term {
                 }
             }
             Term::All(terms) => terms.iter().map(|term| term.cost(sim, state, limit)).sum(),
-            Term::Any(terms) => terms.iter().map(|term| term.cost(sim, state, limit)).fold(f64::INFINITY, f64::min),
+            Term::Any(terms) => terms.iter().map(|term| term.cost(sim, state, limit)).fold(f64::INFINITY, f64::least),
         }
     }
 }

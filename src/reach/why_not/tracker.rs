@@ -75,6 +75,11 @@ impl Nearest {
         Nearest { sampled: Some(nodes), ..self }
     }
 
+    /// Adds states in which the first player stands.
+    pub(in super::super) fn stand(&mut self, states: &[Vec<u8>]) {
+        self.seen.rests.extend(states.iter().cloned());
+    }
+
     /// The number of nodes of the small search beside a proof that found it, if one did.
     pub(super) fn sample(&self) -> Option<u64> {
         self.sampled

@@ -2,7 +2,7 @@
 //! stood in the search, and what is between there and the goal according to the map and free-standing geometry. A
 //! barrier is named only if it is larger than every jump that was seen.
 
-use crate::ir::{Bounds, Drive, EntityId, Push, SlotId, SpaceId, TagSet, VarId};
+use crate::ir::{Bounds, Drive, EntityId, Extremes, Push, SlotId, SpaceId, TagSet, VarId};
 use crate::sim::Simulator;
 
 use super::super::coverage::PLACE;
@@ -147,7 +147,7 @@ impl Terrain<'_> {
         let mut edge = f64::NEG_INFINITY;
         let floor = |from: f64, to: f64, y: f64| (y - feet).abs() <= NEAR && from < front && to > back;
         for (_, to, _) in tops.iter().filter(|(from, to, y)| floor(*from, *to, *y)) {
-            edge = edge.max(*to);
+            edge = edge.greatest(*to);
         }
         while let Some((_, to, _)) =
             tops.iter().find(|(from, to, y)| (y - feet).abs() <= NEAR && *from <= edge + SEAM && *to > edge + SEAM)
@@ -178,11 +178,11 @@ impl Terrain<'_> {
             return self.unknown(stand);
         }
         let stand = self.moved(stand, sign * edge, sign);
-        let next = tops.iter().filter(|(_, to, _)| *to > edge + SEAM).map(|(from, ..)| from.max(edge));
-        let next = next.fold(f64::INFINITY, f64::min);
+        let next = tops.iter().filter(|(_, to, _)| *to > edge + SEAM).map(|(from, ..)| from.greatest(edge));
+        let next = next.fold(f64::INFINITY, f64::least);
         let width = next - edge;
-        let beyond = tops.iter().filter(|(from, to, _)| from.max(edge) <= next + SEAM && *to > edge + SEAM);
-        let rise = beyond.map(|(.., y)| y - feet).fold(f64::INFINITY, f64::min).max(0.0);
+        let beyond = tops.iter().filter(|(from, to, _)| from.greatest(edge) <= next + SEAM && *to > edge + SEAM);
+        let rise = beyond.map(|(.., y)| y - feet).fold(f64::INFINITY, f64::least).greatest(0.0);
         if next == f64::INFINITY {
             let words = format!("{}: no footing from there to the goal, and {}", self.ends(&stand), longest(seen));
             return self.end(&stand, Barrier::Gap, None, words);

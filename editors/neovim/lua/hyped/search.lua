@@ -1,34 +1,9 @@
 -- Searches by the language server: on the texts of the buffers, not on the files. Their answers in a window of text.
 
+local answers = require('hyped.answers')
 local level = require('hyped.level')
 
 local M = {}
-
---- The lines that tell an answer.
-local function lines_of(answer)
-  local lines = { ('%s %s: %s'):format(answer.kind, answer.goal, answer.verdict) }
-  local function add(label, text)
-    lines[#lines + 1] = ('  %-8s%s'):format(label, text)
-  end
-  local function given(value)
-    return value ~= nil and value ~= vim.NIL and value or nil
-  end
-  if given(answer.steps) then
-    add('path', ('%d steps, %.2f s'):format(answer.steps, answer.seconds_of_play))
-    add('inputs', answer.inputs)
-  end
-  for _, reason in ipairs(given(answer.reasons) or {}) do
-    add('because', reason)
-  end
-  local near = given(answer.why_not) and given(answer.why_not.nearest)
-  for _, part in ipairs(near and near.parts or {}) do
-    if not part.holds then
-      add('nearest', ('`%s` %s'):format(part.text, part.words))
-    end
-  end
-  add('search', ('%d nodes'):format(answer.nodes))
-  return lines
-end
 
 --- Shows lines in a window at the bottom; the window is used again.
 local function show(title, lines)
@@ -66,7 +41,7 @@ function M.reach(file, about)
     end
     local lines = { ('%s, world %s'):format(vim.fs.basename(file), found.world) }
     for _, answer in ipairs(found.goals) do
-      vim.list_extend(lines, lines_of(answer))
+      vim.list_extend(lines, answers.lines_of(answer))
     end
     show('reach ' .. vim.fs.basename(file), lines)
   end)

@@ -1,19 +1,14 @@
 -- Tests of programs: `:HypedTest` runs them in the language server, on the text of the buffer, and shows failures at their
 -- lines as diagnostics.
 
+local answers = require('hyped.answers')
+
 local M = {}
 
 local namespace = vim.api.nvim_create_namespace('hyped.tests')
 
---- The values of a part of a predicate: `hero.x > 3: 2 and 3`.
-local function values(part)
-  local held = part.held == true and 'holds' or 'does not hold'
-  local sides = type(part.sides) == 'table' and (': %g and %g'):format(part.sides[1], part.sides[2]) or ''
-  return ('`%s` %s%s'):format(part.text, held, sides)
-end
-
 --- A diagnostic at a place, whose lines and columns begin with 1 and count UTF-16 code units.
-local function at(buffer, place, lines)
+local function at(buffer, place, message)
   local text = vim.api.nvim_buf_get_lines(buffer, place.line - 1, place.line, false)[1] or ''
   local column = vim.str_byteindex(text, 'utf-16', place.column - 1, false)
   return {
@@ -23,7 +18,7 @@ local function at(buffer, place, lines)
     end_col = place.end_line == place.line and vim.str_byteindex(text, 'utf-16', place.end_column - 1, false) or column,
     severity = vim.diagnostic.severity.ERROR,
     source = 'hypedc test',
-    message = table.concat(lines, '\n'),
+    message = message,
   }
 end
 
@@ -32,15 +27,9 @@ function M.failures(buffer, result)
   local found = {}
   local name = vim.fs.normalize(vim.api.nvim_buf_get_name(buffer))
   for _, test in ipairs(result.tests) do
-    for _, problem in ipairs(test.problems) do
-      found[#found + 1] = at(buffer, test.place, { ('test "%s": %s'):format(test.test, problem) })
-    end
-    for _, claim in ipairs(test.claims) do
-      if not claim.passed and vim.fs.normalize(claim.place.path) == name then
-        local lines = { ('test "%s": %s'):format(test.test, claim.answer) }
-        vim.list_extend(lines, claim.reasons)
-        vim.list_extend(lines, vim.tbl_map(values, claim.parts))
-        found[#found + 1] = at(buffer, claim.place, lines)
+    for _, failure in ipairs(answers.failures(test)) do
+      if vim.fs.normalize(failure.place.path) == name then
+        found[#found + 1] = at(buffer, failure.place, failure.message)
       end
     end
   end

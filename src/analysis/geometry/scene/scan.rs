@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::ir::{Bounds, Id, Meeting, Push, Side, Slope, SpaceId, TagSet};
+use crate::ir::{Bounds, Extremes, Id, Meeting, Push, Side, Slope, SpaceId, TagSet};
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::body::{Body, Kind, along, disjoin, edge, face, near, rounding, sides_of};
@@ -68,8 +68,8 @@ impl Scene<'_> {
             out.anywhere |= body.extent.is_none();
             out.is_steady &= body.presence.is_some();
             for axis in 0..2 {
-                out.thinnest[axis] = out.thinnest[axis].min(sizes[axis]);
-                out.longest[axis] = out.longest[axis].max(sizes[axis] + own[axis]);
+                out.thinnest[axis] = out.thinnest[axis].least(sizes[axis]);
+                out.longest[axis] = out.longest[axis].greatest(sizes[axis] + own[axis]);
             }
         };
         for solid in &self.world.spaces[space].solids {

@@ -14,6 +14,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use crate::analysis::{ConfigurationSpace, watched_space};
+use crate::ask::Without;
 use crate::compile::{added_nevers, question_name};
 use crate::ir::{ExprId, NeverId, World, WorldId};
 use crate::json::{self, Layout};
@@ -29,7 +30,6 @@ use crate::cli::pictures::images;
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, plain_error};
 use crate::cli::watches::{CommandWatch, interrupted};
-use crate::cli::without::Without;
 use result::SkillResult;
 
 /// Who plays, from the least skill to the most.

@@ -80,15 +80,13 @@ impl Drafted {
     /// The program after the edits.
     fn compiled(&self, view: &View, snapshot: &Snapshot) -> Snapshot {
         let mut open: OpenDocuments = (**view.documents.all()).clone();
-        let all = self.texts.iter().map(|(path, (_, new))| (path, new)).chain(&self.new_files);
-        for (path, new) in all {
-            let text = Arc::new(Text::new(new.clone()));
-            open.insert(
-                path.clone(),
-                Document { uri: String::new(), version: 0, is_program: true, text, edited: None },
-            );
+        let changed = self.texts.iter().map(|(path, (old, new))| (path, old.replaced(new.clone())));
+        let added = self.new_files.iter().map(|(path, new)| (path, Text::new(new.clone())));
+        for (path, text) in changed.chain(added) {
+            let (uri, text) = (String::new(), Arc::new(text));
+            open.insert(path.clone(), Document { uri, version: 0, is_program: true, text, edited: None });
         }
-        Snapshot::compile(&snapshot.root, &Arc::new(open), &*view.disk)
+        Snapshot::compile(&snapshot.root, &Arc::new(open), &*view.disk, Some(snapshot))
     }
 
     /// Whether the program after the edits is as it has to be.

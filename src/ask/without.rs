@@ -1,4 +1,4 @@
-//! What `--without` leaves out: states in which a predicate holds, or inputs with a button, `held(run)`.
+//! What paths are asked to be without: states in which a predicate holds, or inputs with a button, `held(run)`.
 
 use crate::compile::is_name;
 use crate::diagnostic::catalogue::run::NoQuestion;
@@ -7,7 +7,7 @@ use crate::ir::{Entity, Program, World};
 
 /// What is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Without<'a> {
+pub enum Without<'a> {
     /// States in which a predicate of the world holds.
     Predicate(&'a str),
     /// Inputs in which players hold a button of this name.

@@ -11,6 +11,7 @@ mod edits;
 mod files;
 mod levels;
 mod names;
+mod offered;
 mod paint;
 mod service;
 mod session;

@@ -4,21 +4,21 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use crate::diagnostic::words::SIGNATURES;
 use crate::ir::Side;
 use crate::sema::KNOWN_CONSTANTS;
 use crate::sema::checked::{Entity, Type, World};
-use crate::syntax::is_reserved;
 use crate::syntax::occurrence::NameKind;
 
 use super::actions::create::relative;
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
-use super::completion_order::{UNDECLARED, ordered};
+#[cfg(feature = "testing")]
+use super::completion_order::named_features;
+use super::completion_order::ordered;
+use super::completion_text::{deleted_names, half_typed};
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::{Block, CursorContext};
-use crate::lsp::text::lexer::{Kind, tokens};
 use crate::lsp::text::operands::{after_operand, assigned_names, ends_operand};
-use crate::lsp::text::words::{is_keyword, statement_starts};
+use crate::lsp::text::words::statement_starts;
 use crate::lsp::view::View;
 
 /// The completion items at a position.
@@ -35,36 +35,65 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let document = view.documents.get(&at.path)?;
     let code = document.text.code();
     let cursor = CursorContext::at(code, at.byte);
+    let items = collected(view, at, code, &cursor)?;
+    let replaces = cursor.word.start..cursor.word.end.max(at.byte);
+    Some(Completions {
+        replaces,
+        items: ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor)),
+    })
+}
+
+/// The names of the items at a position, and the features by which they are ordered.
+#[cfg(feature = "testing")]
+pub(in crate::lsp) fn evidence(view: &View, at: &FileOffset) -> Vec<(String, Vec<(String, f32)>)> {
+    let Some(document) = view.documents.get(&at.path) else { return Vec::new() };
+    let code = document.text.code();
+    let cursor = CursorContext::at(code, at.byte);
+    let Some(items) = collected(view, at, code, &cursor) else { return Vec::new() };
+    named_features(&items, &cursor, own(&items, &cursor), &shown(&items, view, at, &cursor))
+}
+
+/// All items at a cursor.
+fn collected<'v>(
+    view: &'v View,
+    at: &'v FileOffset,
+    code: &'v str,
+    cursor: &CursorContext<'_>,
+) -> Option<CompletionCollector<'v>> {
     let mut items = CompletionCollector::new(view, &at.path, code);
     if !cursor.is_quoted {
-        items.at(&cursor);
-        items.undeclared(&cursor);
+        items.at(cursor);
+        items.undeclared(cursor);
     } else if cursor.statement == ["import"] {
         items.files(view.programs.keys().filter_map(|other| relative(&at.path, other)));
-    } else if let Some(endings) = quoted_files(&cursor) {
+    } else if let Some(endings) = quoted_files(cursor) {
         let folder = at.path.parent()?;
         items.files(view.disk.files(folder, endings).iter().filter_map(|other| relative(&at.path, other)));
     }
-    let replaces = cursor.word.start..cursor.word.end.max(at.byte);
-    let deleted = deleted_names(view, at, code);
-    let typed = half_typed(code, &cursor.word);
+    Some(items)
+}
+
+/// The entity around a cursor.
+fn own<'v>(items: &CompletionCollector<'v>, cursor: &CursorContext<'_>) -> Option<&'v Entity> {
+    cursor.enclosing(Block::Entity).and_then(|block| items.entity(block.name))
+}
+
+/// The items that are shown: each once, without names that are gone and the word that is being typed.
+fn shown(
+    items: &CompletionCollector<'_>,
+    view: &View,
+    at: &FileOffset,
+    cursor: &CursorContext<'_>,
+) -> Vec<CompletionItem> {
+    let deleted = deleted_names(view, at, items.code);
+    let typed = half_typed(items.code, &cursor.word);
     let mut seen = BTreeSet::new();
     let mut found = items.list.clone();
     found.retain(|item| {
         let is_gone = deleted.contains(item.label.as_str()) || typed == Some(item.label.as_str());
         !is_gone && seen.insert((item.label.clone(), item.kind))
     });
-    let own = cursor.enclosing(Block::Entity).and_then(|b| items.entity(b.name));
-    Some(Completions { replaces, items: ordered(&items, &cursor, own, found) })
-}
-
-/// The word at the cursor, if it occurs nowhere else: it is no name yet.
-fn half_typed<'t>(code: &'t str, word: &Range<usize>) -> Option<&'t str> {
-    // `x` and `y` need no declaration.
-    let text = code.get(word.clone()).filter(|text| !matches!(*text, "" | "x" | "y"))?;
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    let is_known = is_keyword(text) || code.split(|c| !is_part(c)).filter(|other| *other == text).count() > 1;
-    (!is_known).then_some(text)
+    found
 }
 
 /// The endings of the files that a quoted text at the cursor can name.
@@ -78,36 +107,6 @@ fn quoted_files(cursor: &CursorContext<'_>) -> Option<&'static [&'static str]> {
         ("look", _) => Some(&["png"]),
         _ => None,
     }
-}
-
-/// The names that the last texts without errors had and that no current text has.
-fn deleted_names(view: &View, at: &FileOffset, code: &str) -> BTreeSet<String> {
-    let states = || view.programs_with(&at.path);
-    let older = states().filter(|state| !state.current.is_error_free()).filter_map(|state| state.last_good.as_deref());
-    let mut deleted = BTreeSet::new();
-    for snapshot in older {
-        let Some(file) = snapshot.file(&at.path) else { continue };
-        let declared = snapshot.ide.occurrences.iter().filter(|o| o.at.file() == file && o.at == o.declared);
-        deleted.extend(declared.map(|o| snapshot.name(o).to_string()));
-    }
-    if deleted.is_empty() {
-        return deleted;
-    }
-    let mut keep = |code: &str| {
-        let is_part = |c: char| !(c.is_alphanumeric() || c == '_');
-        for word in code.split(is_part) {
-            deleted.remove(word);
-        }
-    };
-    keep(code);
-    for snapshot in states().map(|state| &*state.current) {
-        let files: BTreeSet<_> = snapshot.ide.occurrences.iter().map(|o| o.at.file()).collect();
-        files
-            .into_iter()
-            .filter(|file| snapshot.path(*file) != at.path)
-            .for_each(|file| keep(snapshot.text(file).code()));
-    }
-    deleted
 }
 
 impl CompletionCollector<'_> {
@@ -218,6 +217,10 @@ impl CompletionCollector<'_> {
             "touching" => {
                 if argument < 2 {
                     self.names_of_kind(NameKind::Tag);
+                }
+                // What can be referred to can be touched: its tag often has the same name.
+                if argument == 1 {
+                    self.refs(own);
                 }
                 // A place has no sides.
                 if argument > 0 && !cursor.statement.contains(&"at") {
@@ -334,10 +337,12 @@ impl CompletionCollector<'_> {
             // Modes to which edges lead already.
             ("mode", _) if cursor.statement.len() <= 2 => self.awaited_modes(cursor),
             ("destroy", _) => {
+                self.touched(cursor);
                 self.refs(own);
                 self.words(&["self"]);
             }
             ("send", _) => {
+                self.touched(cursor);
                 self.refs(own);
                 self.words(&["self", "all"]);
             }
@@ -384,6 +389,10 @@ impl CompletionCollector<'_> {
                     self.words(&["hold", "to"]);
                 }
             }
+            ("sustain", _) => {
+                self.words(&["for"]);
+                return false;
+            }
             ("chance", "chance") if cursor.block() == Some(Block::Test) => self.words(&["seed"]),
             ("seed", "chance") => {}
             ("inputs", "inputs") => self.words(&["from"]),
@@ -408,79 +417,6 @@ impl CompletionCollector<'_> {
             _ => return false,
         }
         true
-    }
-
-    /// Adds names that the item around uses before the cursor and that nothing declares yet: what is written from top to
-    /// bottom uses some names again before they are declared.
-    fn undeclared(&mut self, cursor: &CursorContext<'_>) {
-        let Some(item) = cursor.blocks.first().filter(|_| !cursor.statement.is_empty()) else { return };
-        let before = cursor.previous(1);
-        if cursor.calls.last().is_some_and(|call| matches!(call.name, "pressed" | "held" | "released")) {
-            return;
-        }
-        // A new name, or one of which all are known.
-        if ends_operand(cursor) || matches!(before, "." | "mode" | "param" | "button" | "axis") {
-            return;
-        }
-        let code: &str = self.code;
-        let text = code.get(item.start..cursor.word.start).unwrap_or_default();
-        let mut names: BTreeSet<&str> = BTreeSet::new();
-        let mut last = "";
-        for token in tokens(text).iter().filter(|token| token.kind != Kind::Comment) {
-            let word = token.text(text);
-            // A word of the language is a name in a list.
-            let is_side = Side::ALL.into_iter().any(|side| side.name() == word);
-            let is_name = !is_keyword(word) || matches!(last, "," | "->") && !is_reserved(word) && !is_side;
-            if token.kind == Kind::Word && is_name && before != "group" {
-                names.insert(word);
-            }
-            // `entering(hurt.yes)`
-            if before == "group" && word == "." && !last.is_empty() {
-                names.insert(last);
-            }
-            last = word;
-        }
-        for program in self.programs.iter().take(1) {
-            for o in &program.ide.occurrences {
-                names.remove(program.name(o));
-            }
-        }
-        for item in &self.list {
-            names.remove(item.label.as_str());
-        }
-        let is_function = |name: &str| SIGNATURES.iter().any(|signature| signature.name == name);
-        for name in names.into_iter().filter(|name| !is_function(name) && *name != "x") {
-            self.add(9, name, CompletionKind::Value, UNDECLARED);
-        }
-    }
-
-    /// Adds the values in the braces before the cursor: `discrete way: {left, right} = `.
-    fn first_values(&mut self, cursor: &CursorContext<'_>) {
-        let before = self.code.get(..cursor.word.start).unwrap_or_default();
-        let statement = before.rfind("discrete").and_then(|at| before.get(at..)).unwrap_or_default();
-        let inside = statement.split_once('{').and_then(|(_, rest)| rest.split_once('}'));
-        let Some((values, _)) = inside.filter(|(_, rest)| rest.trim() == "=") else { return };
-        for value in values.split(',').map(str::trim).filter(|value| !value.is_empty()) {
-            self.add(0, value, CompletionKind::Value, "value");
-        }
-    }
-
-    /// Adds the modes of the entity to which edges lead, and that are not declared yet.
-    fn awaited_modes(&mut self, cursor: &CursorContext<'_>) {
-        let Some(block) = cursor.enclosing(Block::Entity) else { return };
-        let code: &str = self.code;
-        let text = code.get(block.start..cursor.word.start).unwrap_or_default();
-        let all: Vec<&str> = tokens(text)
-            .iter()
-            .filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline))
-            .map(|token| token.text(text))
-            .collect();
-        let follow =
-            |word: &str| -> Vec<&str> { all.windows(2).filter(|pair| pair[0] == word).map(|pair| pair[1]).collect() };
-        let declared = follow("mode");
-        for target in follow("->").into_iter().filter(|target| !declared.contains(target)) {
-            self.add(0, target, CompletionKind::Mode, "an edge leads to it");
-        }
     }
 
     /// Adds the goals of a world, or its `never`s.
@@ -524,6 +460,10 @@ impl CompletionCollector<'_> {
             }
             _ => {}
         }
+        // Behaviours, which no entity is known of, assign positions.
+        if own.is_none() && matches!(block, Some(Block::Behavior | Block::Mode | Block::Updates)) {
+            ["x", "y"].iter().for_each(|v| self.add(1, v, CompletionKind::Variable, "continuous"));
+        }
     }
 
     /// Adds the items inside an expression.
@@ -556,6 +496,7 @@ impl CompletionCollector<'_> {
         if let (Some(entity), true) = (own, is_fixed) {
             entity.params.iter().for_each(|p| self.add(0, &p.name.text, CompletionKind::Constant, "param"));
         } else if let Some(entity) = own {
+            self.touched(cursor);
             self.members(entity);
             self.refs(Some(entity));
             let modes = cursor.blocks.iter().filter(|open| open.block == Block::Mode);

@@ -5,6 +5,7 @@ pub(super) mod actions;
 pub(super) mod completion;
 pub(super) mod completion_items;
 pub(super) mod completion_order;
+mod completion_text;
 pub(super) mod file_renames;
 pub(super) mod findings;
 pub(super) mod formatting;

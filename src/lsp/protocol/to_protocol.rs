@@ -18,7 +18,7 @@ use crate::lsp::documents::Documents;
 use crate::lsp::features::actions::create;
 use crate::lsp::features::actions::{ActionKind, CodeAction, Edits};
 use crate::lsp::features::completion::Completions;
-use crate::lsp::features::completion_items::{CompletionItem, Insert};
+use crate::lsp::features::completion_items::{CompletionItem, CompletionKind, Insert};
 use crate::lsp::features::hierarchy::CallItem;
 use crate::lsp::features::hints::{HintKind, InlayHint};
 use crate::lsp::features::hover::Hover;
@@ -174,7 +174,9 @@ impl ToProtocol<'_> {
                 ..types::CompletionItem::default()
             }
         };
-        found.items.into_iter().map(item).collect::<Vec<_>>().into()
+        // Without placeholders a snippet is no text to insert.
+        let is_usable = |item: &CompletionItem| self.client.has_snippets || item.kind != CompletionKind::Snippet;
+        found.items.into_iter().filter(is_usable).map(item).collect::<Vec<_>>().into()
     }
 
     #[allow(deprecated, reason = "a field must be named to be left out")]

@@ -105,6 +105,14 @@ impl Service {
         }
     }
 
+    /// The names of the items at a position, and the features by which they are ordered: for the fit of their weights.
+    #[cfg(feature = "testing")]
+    pub fn evidence(&self, path: &str, at: usize) -> Vec<(String, Vec<(String, f32)>)> {
+        let Some(document) = self.document(path) else { return Vec::new() };
+        let at = FileOffset { path: normalize(Path::new(path)), byte: byte_of(document.text.code(), at) };
+        completion::evidence(&self.view, &at)
+    }
+
     fn document(&self, path: &str) -> Option<&Document> {
         self.view.documents.get(&normalize(Path::new(path)))
     }

@@ -1,9 +1,10 @@
 //! The dimension of what is written at a cursor, and of the names that can be: by the program, or by what they are
 //! called.
 
-use super::Order;
+use crate::lsp::features::completion_items::CompletionCollector;
 use crate::lsp::features::hover::per_second;
-use crate::lsp::text::cursor::Block;
+use crate::lsp::text::cursor::{Block, CursorContext};
+use crate::sema::checked::Entity;
 
 /// Parts of names that tell a dimension.
 const HINTS: &[(&str, &str)] = &[
@@ -18,13 +19,24 @@ const HINTS: &[(&str, &str)] = &[
     ("delay", "s"),
     ("duration", "s"),
     ("cooldown", "s"),
+    ("range", "px"),
+    ("radius", "px"),
     ("width", "px"),
     ("height", "px"),
     ("distance", "px"),
     ("reach", "px"),
 ];
 
-impl Order<'_> {
+/// What tells dimensions at a cursor.
+#[derive(Clone, Copy)]
+pub(super) struct Dimensions<'a> {
+    pub of: &'a CompletionCollector<'a>,
+    pub cursor: &'a CursorContext<'a>,
+    /// The entity around the cursor.
+    pub own: Option<&'a Entity>,
+}
+
+impl Dimensions<'_> {
     /// The dimension of a name, by the program or by what it is called.
     pub(super) fn dimension(&self, name: &str) -> Option<String> {
         let own = self.own?;
@@ -76,6 +88,10 @@ impl Order<'_> {
             "accel" => self.enveloped(1),
             "sustain" | "to" => self.enveloped(0),
             "over" | "for" => Some("s".into()),
+            // `near(self, prey, sight)`
+            "," if self.cursor.calls.last().is_some_and(|call| call.name == "near" && call.argument > 1) => {
+                Some("px".into())
+            }
             "(" | ","
                 if self.cursor.calls.last().is_some_and(|call| matches!(call.name, "min" | "max" | "clamp" | "if")) =>
             {

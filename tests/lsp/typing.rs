@@ -119,14 +119,15 @@ fn typing_the_examples() {
     patterns.iter().take(60).for_each(|(pattern, count)| println!("{count:4} {pattern}"));
 }
 
-/// Entities that were written after the order of items was settled; the limits are what they gave at once.
+/// Entities that the weights were not fitted to; the limits are what they gave at once.
 #[test]
 fn typing_new_entities() {
     let mut all = Count::default();
     for path in crate::support::files("tests/lsp/sessions", "hyped") {
         let count = typed(&std::fs::read_to_string(&path).unwrap());
         assert!(count.positions >= 150, "{}", path.display());
-        println!("{}: {} {} {}", path.display(), count.positions, count.first, count.among_three);
+        let Count { positions, first, among_three, new_names, .. } = count;
+        println!("{}: {positions} positions, {first}, {among_three}; {new_names} new names", path.display());
         all.positions += count.positions;
         all.first += count.first;
         all.among_three += count.among_three;

@@ -121,6 +121,10 @@ impl CompletionCollector<'_> {
         let all = all.iter().filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline));
         let words: Vec<&str> = all.map(|token| token.text(text)).collect();
         let declared: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == "mode").map(|pair| pair[1]).collect();
+        // Others than those that are known, in this group or another.
+        let known = self.entity(block.name);
+        let is_known =
+            |name: &str| known.is_some_and(|entity| entity.modes.iter().any(|mode| &*mode.name.text == name));
         let mut awaited: Vec<&str> = Vec::new();
         for at in 1..words.len() {
             // `not in hidden`: of the instance itself; `entering(life.dead)`.
@@ -136,7 +140,7 @@ impl CompletionCollector<'_> {
                 last += 2;
             }
             let Some(name) = words.get(last).filter(|name| asks && name.starts_with(starts_name)) else { continue };
-            if !declared.contains(name) && !awaited.contains(name) {
+            if !declared.contains(name) && !awaited.contains(name) && !is_known(name) {
                 awaited.push(name);
             }
         }

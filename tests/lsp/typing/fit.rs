@@ -119,7 +119,7 @@ fn fit(examples: &[&Example], features: usize) -> Vec<f32> {
                 continue;
             }
             let scores = example.scores(&weights);
-            let most = scores.iter().copied().fold(f32::MIN, f32::max);
+            let most = scores.iter().copied().max_by(f32::total_cmp).unwrap();
             let counts = if example.is_session { 1.0 } else { EXAMPLE };
             let likely: Vec<f32> = scores.iter().map(|score| (score - most).exp()).collect();
             let all: f32 = likely.iter().sum();
@@ -135,7 +135,8 @@ fn fit(examples: &[&Example], features: usize) -> Vec<f32> {
                     squares[*feature] += slope * slope;
                     let step = STEP / squares[*feature].sqrt();
                     *weight -= step * slope;
-                    *weight = weight.signum() * (weight.abs() - step * COST).max(0.0);
+                    let cut = step * COST;
+                    *weight = if weight.abs() > cut { *weight - cut.copysign(*weight) } else { 0.0 };
                 }
             }
         }

@@ -103,8 +103,9 @@ impl<'t> Evidence<'t> {
             newer.insert(name, before.1);
         }
         let mut awaited: Vec<&'t str> = Vec::new();
+        let mut seen: BTreeSet<&'t str> = reading.modes.iter().map(|mode| mode.name).collect();
         for edge in &reading.edges {
-            if !awaited.contains(&edge.to) && !reading.modes.iter().any(|mode| mode.name == edge.to) {
+            if seen.insert(edge.to) {
                 awaited.push(edge.to);
             }
         }

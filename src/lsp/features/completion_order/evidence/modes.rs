@@ -53,7 +53,7 @@ impl Evidence<'_> {
                 if is_last {
                     take(&["target last"], 1.0);
                 }
-                let most = |of: &mut dyn Iterator<Item = f32>| of.fold(0.0, f32::max);
+                let most = |all: &mut dyn Iterator<Item = f32>| all.max_by(f32::total_cmp).unwrap_or(0.0);
                 let shared = most(&mut self.led.iter().filter(|(to, _)| *to == name).map(|(_, share)| *share));
                 take(&["guard leads"], shared);
                 if shared > 0.0 && shared == most(&mut self.led.iter().map(|(_, share)| *share)) {

@@ -159,7 +159,7 @@ fn reach_monitored(
         }
     }
     let outcome = search(problem, space, settings, limits, watch)?;
-    if settings.planner == Planner::Auto {
+    if settings.planner == Planner::Auto && settings.exhausts {
         exact::conclude(problem, outcome, settings, limits, watch)
     } else {
         Ok(outcome)

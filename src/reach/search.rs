@@ -55,6 +55,8 @@ pub struct Settings {
     pub checks: bool,
     /// Whether the states that come nearest to the target are kept, to explain a missing answer.
     pub explains: bool,
+    /// Whether `auto` visits all states, in another way, when its search has found nothing.
+    pub exhausts: bool,
 }
 
 impl Default for Settings {
@@ -72,6 +74,7 @@ impl Default for Settings {
             records: false,
             checks: true,
             explains: false,
+            exhausts: false,
         }
     }
 }

@@ -174,6 +174,7 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         threads: usize::from(args.threads),
         records: !args.person.has_layers() && args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
+        exhausts: args.exhaust,
         explains: !args.explore && !args.person.has_layers() && args.numbers.sweeps().is_empty(),
         ..Settings::default()
     })

@@ -159,9 +159,10 @@ fn reach_monitored(
         }
     }
     let outcome = search(problem, space, settings, limits, watch)?;
+    // The engine of the page has no room for it.
+    #[cfg(feature = "cli")]
     if settings.planner == Planner::Auto && settings.exhausts {
-        exact::conclude(problem, outcome, settings, limits, watch)
-    } else {
-        Ok(outcome)
+        return exact::conclude(problem, outcome, settings, limits, watch);
     }
+    Ok(outcome)
 }

@@ -348,7 +348,7 @@ pub struct Assignment {
     /// The right side.
     pub value: Expr,
     /// Its end; it starts with the variable.
-    end: u32,
+    pub(super) end: u32,
     /// The operator of `+=` and `-=`.
     pub operator: Option<BinaryOp>,
 }
@@ -362,11 +362,6 @@ impl Assignment {
     /// The whole.
     pub fn span(&self) -> Span {
         self.variable.span.ending(self.end)
-    }
-
-    /// Where it ends now.
-    pub(super) fn move_end(&mut self, end: u32) {
-        self.end = end;
     }
 }
 

@@ -228,9 +228,8 @@ impl Moved for ExprKind {
 
 impl Moved for Assignment {
     fn moved(&mut self, shift: Shift) {
-        let end = self.span();
         self.variable.moved(shift);
         self.value.moved(shift);
-        self.move_end(end.end().saturating_add_signed(shift.by as i32));
+        self.end = self.end.saturating_add_signed(shift.by as i32);
     }
 }

@@ -244,7 +244,8 @@ fn what_the_examples_reach_is_not_proven_unreachable() {
     let mut goals = 0;
     for path in files("examples", "hyped").into_iter().chain(files("tests/conformance", "hyped")) {
         let program = compile(&path, &Disk).program.unwrap();
-        for world in program.worlds.ids() {
+        // In a world that leaves its map open, nobody is placed yet.
+        for world in program.worlds.ids().filter(|world| program.worlds[*world].open.is_none()) {
             let space = configuration_space(&program, world);
             for goal in program.worlds[world].goals.ids() {
                 let name = &program.worlds[world].goals[goal].name;

@@ -1,4 +1,9 @@
 //! A portfolio: alternates several planners with different strengths. The first answer counts.
+//!
+//! Its shares are shares of work, which a meter counts, so that they are the same on every machine: a node of one planner
+//! costs many times that of another. Whom to favour depends on who comes further, as in Gagliolo and Schmidhuber,
+//! *Learning Dynamic Algorithm Portfolios*, 2006. Here that is seen while a search runs: a planner that is led by distances
+//! gets most of the work as long as it comes nearer to the goal, and its part when it does not.
 
 use super::outcome::Plan;
 use super::search_context::Notes;
@@ -8,15 +13,49 @@ use super::searcher::{Ending, Searcher};
 const TURN: u64 = 64;
 /// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
+/// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
+const NODE: u64 = 2_048;
+/// A planner comes further if its last record was set in this part of its work, or within this work.
+const RECENT: u64 = 3;
+const PATIENCE: u64 = 1_000_000;
 
-/// A planner with its share of the nodes.
-type Arm<'a> = (u64, Box<dyn Searcher + 'a>);
+/// A planner with its shares of the work.
+pub(super) struct Arm<'a> {
+    pub searcher: Box<dyn Searcher + 'a>,
+    /// The share while nobody is known to come nearer to the goal.
+    pub share: u64,
+    /// The share while this one does.
+    pub leading: u64,
+    /// What it spent, each in parts of its share of then.
+    spent: u64,
+    /// Its work that was spent, and the least distance, with the work at which it was first known.
+    seen: u64,
+    record: (u32, u64),
+}
+
+impl<'a> Arm<'a> {
+    /// A planner that has spent nothing.
+    pub fn new(searcher: Box<dyn Searcher + 'a>, share: u64, leading: u64) -> Self {
+        Arm { searcher, share, leading, spent: 0, seen: 0, record: (u32::MAX, 0) }
+    }
+
+    fn work(&self) -> u64 {
+        self.searcher.work().saturating_add(self.searcher.nodes().saturating_mul(NODE))
+    }
+
+    /// Whether it came nearer to the goal of late.
+    fn is_leading(&self) -> bool {
+        let since = self.seen - self.record.1;
+        self.record.0 < u32::MAX && (since < PATIENCE || since < self.record.1 / RECENT)
+    }
+}
 
 /// Alternates planners.
 pub(super) struct Portfolio<'a> {
     arms: Vec<Arm<'a>>,
-    /// The notes of planners that gave up.
+    /// The notes of planners that gave up, and their work.
     spent: Notes,
+    spent_work: u64,
     /// The current planner, and the number of its nodes at which its turn ends.
     turn: Option<(usize, u64)>,
     /// Memory limit of an arm, bytes; the last one has no limit.
@@ -25,23 +64,34 @@ pub(super) struct Portfolio<'a> {
 }
 
 impl<'a> Portfolio<'a> {
-    /// Alternates planners with shares of the nodes; the first has the first turn.
+    /// Alternates planners; the first has the first turn.
     pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        Portfolio { arms, spent: Notes::default(), turn: None, memory, planner: "auto" }
+        Portfolio { arms, spent: Notes::default(), spent_work: 0, turn: None, memory, planner: "auto" }
     }
 
     fn retire(&mut self, at: usize) {
         self.turn = None;
-        self.arms.remove(at).1.report(&mut self.spent);
+        let arm = self.arms.remove(at).searcher;
+        self.spent_work += arm.work();
+        arm.report(&mut self.spent);
     }
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
-        (0..self.arms.len()).min_by_key(|at| {
-            let (share, arm) = &self.arms[*at];
-            arm.nodes() / share.max(&1)
-        })
+        (0..self.arms.len()).min_by_key(|at| self.arms[*at].spent)
+    }
+
+    /// Charges a planner for what it did since the last time.
+    fn charge(&mut self, at: usize) {
+        let arm = &mut self.arms[at];
+        let work = arm.work();
+        let share = if arm.is_leading() { arm.leading } else { arm.share };
+        arm.spent += (work - arm.seen) / share.max(1);
+        arm.seen = work;
+        if let Some(nearest) = arm.searcher.nearest().filter(|nearest| *nearest < arm.record.0) {
+            arm.record = (nearest, work);
+        }
     }
 }
 
@@ -57,17 +107,19 @@ impl Searcher for Portfolio<'_> {
                 Some(turn) => turn,
                 None => {
                     let Some(at) = self.next() else { return Ending::Spent };
-                    let (share, arm) = &self.arms[at];
-                    (at, arm.nodes() + (arm.nodes() / SHARE).max(TURN * share))
+                    let Arm { searcher, share, .. } = &self.arms[at];
+                    (at, searcher.nodes() + (searcher.nodes() / SHARE).max(TURN * share))
                 }
             };
             let is_last = self.arms.len() == 1;
-            let (_, arm) = &mut self.arms[at];
+            let arm = &mut self.arms[at].searcher;
             let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left));
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
+            let is_large = !is_last && arm.bytes() as u64 > self.memory;
+            self.charge(at);
             match ending {
-                Ending::Paused if !is_last && arm.bytes() as u64 > self.memory => match arm.pending() {
+                Ending::Paused if is_large => match self.arms[at].searcher.pending() {
                     Some(plan) => return Ending::Reached(plan),
                     None => self.retire(at),
                 },
@@ -80,28 +132,32 @@ impl Searcher for Portfolio<'_> {
 
     fn pending(&mut self) -> Option<Plan> {
         let Portfolio { arms, planner, .. } = self;
-        arms.iter_mut().find_map(|(_, arm)| {
-            let plan = arm.pending()?;
-            *planner = arm.planner();
+        arms.iter_mut().find_map(|arm| {
+            let plan = arm.searcher.pending()?;
+            *planner = arm.searcher.planner();
             Some(plan)
         })
     }
 
     fn nodes(&self) -> u64 {
-        self.spent.statistics.nodes + self.arms.iter().map(|(_, arm)| arm.nodes()).sum::<u64>()
+        self.spent.statistics.nodes + self.arms.iter().map(|arm| arm.searcher.nodes()).sum::<u64>()
+    }
+
+    fn work(&self) -> u64 {
+        self.spent_work + self.arms.iter().map(|arm| arm.searcher.work()).sum::<u64>()
     }
 
     fn places(&self) -> u64 {
-        self.arms.iter().map(|(_, arm)| arm.places()).max().unwrap_or(0)
+        self.arms.iter().map(|arm| arm.searcher.places()).max().unwrap_or(0)
     }
 
     fn report(&self, notes: &mut Notes) {
         notes.join(&self.spent);
-        self.arms.iter().for_each(|(_, arm)| arm.report(notes));
+        self.arms.iter().for_each(|arm| arm.searcher.report(notes));
     }
 
     fn bytes(&self) -> usize {
-        self.arms.iter().map(|(_, arm)| arm.bytes()).sum()
+        self.arms.iter().map(|arm| arm.searcher.bytes()).sum()
     }
 
     fn planner(&self) -> &'static str {
@@ -114,13 +170,14 @@ pub(super) struct Refinement<'a> {
     /// The last one is active.
     stages: Vec<Box<dyn Searcher + 'a>>,
     done: Notes,
+    done_work: u64,
 }
 
 impl<'a> Refinement<'a> {
     /// Runs at least one search, the coarsest first.
     pub fn new(mut stages: Vec<Box<dyn Searcher + 'a>>) -> Self {
         stages.reverse();
-        Refinement { stages, done: Notes::default() }
+        Refinement { stages, done: Notes::default(), done_work: 0 }
     }
 }
 
@@ -133,6 +190,7 @@ impl Searcher for Refinement<'_> {
             // The next one is finer.
             Ending::Spent if !is_last => {
                 if let Some(stage) = self.stages.pop() {
+                    self.done_work += stage.work();
                     stage.report(&mut self.done);
                 }
                 Ending::Paused
@@ -147,6 +205,10 @@ impl Searcher for Refinement<'_> {
 
     fn nodes(&self) -> u64 {
         self.done.statistics.nodes + self.stages.last().map_or(0, |stage| stage.nodes())
+    }
+
+    fn work(&self) -> u64 {
+        self.done_work + self.stages.last().map_or(0, |stage| stage.work())
     }
 
     fn places(&self) -> u64 {

@@ -187,6 +187,14 @@ impl Searcher for Sampler<'_> {
         self.context.notes.statistics.nodes
     }
 
+    fn work(&self) -> u64 {
+        self.context.meter.total()
+    }
+
+    fn nearest(&self) -> Option<u32> {
+        self.strategy.nearest()
+    }
+
     fn places(&self) -> u64 {
         self.context.notes.coverage.count().places
     }

@@ -20,7 +20,7 @@ use super::metric::{Measure, Metric};
 use super::monitor::monitored;
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::{Method, Planner};
-use super::portfolio::{Portfolio, Refinement};
+use super::portfolio::{Arm, Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
 use super::search_context::{Notes, SearchContext};
@@ -120,8 +120,31 @@ pub fn search(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
+    search_asking(problem, space, settings, limits, watch, None)
+}
+
+/// What is asked once in a search that has not found anything yet: whether it can end there.
+pub(super) struct Interlude<'i> {
+    /// After this number of nodes.
+    pub nodes: u64,
+    /// The question.
+    pub ends: &'i mut dyn FnMut() -> bool,
+}
+
+/// As [`search`], with an interlude.
+///
+/// # Errors
+/// A [`Fault`] if the initial state breaks a rule.
+pub(super) fn search_asking(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+    interlude: Option<Interlude<'_>>,
+) -> Result<Outcome, Fault> {
     monitored(problem, space, settings, |problem| {
-        let mut outcome = search_monitored(problem, space, settings, limits, watch)?;
+        let mut outcome = search_monitored(problem, space, settings, limits, watch, interlude)?;
         if let Some(monitor) = problem.monitor() {
             outcome.refute_by(monitor);
         }
@@ -135,6 +158,7 @@ fn search_monitored(
     settings: &Settings,
     limits: &Limits,
     watch: &dyn Watch,
+    interlude: Option<Interlude<'_>>,
 ) -> Result<Outcome, Fault> {
     let Some(all) = problem.starts(watch)? else { return Ok(Outcome::stopped(settings.planner)) };
     let is_alone = all.len() == 1;
@@ -178,7 +202,7 @@ fn search_monitored(
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     let reads_between = reads_between(problem);
-    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow())
+    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow(interlude))
 }
 
 /// Builds searchers.
@@ -202,12 +226,13 @@ impl<'a> Builder<'_, 'a> {
                     (Some(_), Some(_)) => AUTO_IN_TIME,
                     (None, _) => AUTO_WITHOUT_DISTANCES,
                 };
-                let sampling =
-                    planners.iter().map(|(share, planner)| (*share, self.single(*planner, tree, self.settings.hold)));
-                let mut arms: Vec<_> = sampling.collect();
+                let arm = |&(share, leading, planner): &(u64, u64, Planner)| {
+                    Arm::new(self.single(planner, tree, self.settings.hold), share, leading)
+                };
+                let mut arms: Vec<_> = planners.iter().map(arm).collect();
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
-                    arms.push((1, Box::new(self.refinement(tree))));
+                    arms.push(Arm::new(Box::new(self.refinement(tree)), 1, 1));
                 }
                 Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
             }
@@ -296,16 +321,18 @@ const MAX_HOLD: u16 = 4;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The sampling planners of `auto`, with their shares of the nodes. By measurement, the first solves most goals at a
-/// position soonest, the second most others, the third some that these do not. In addition, an exhaustive search with a
-/// share of 1 looks for proofs.
-const AUTO: [(u64, Planner); 3] = [(4, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
+/// The sampling planners of `auto`, with their shares of the work: as a rule, and while they come nearer to the goal. By
+/// measurement, the first solves most goals at a position soonest, the second most others, the third some that these do
+/// not. In addition, an exhaustive search with a share of 1 looks for proofs.
+const AUTO: [(u64, u64, Planner); 3] =
+    [(4, 40, Planner::DistanceGuided), (4, 4, Planner::Coverage), (1, 1, Planner::Rrt)];
 /// With a time limit, the first is the best by far.
-const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
+const AUTO_IN_TIME: [(u64, u64, Planner); 3] =
+    [(16, 40, Planner::DistanceGuided), (4, 4, Planner::Coverage), (1, 1, Planner::Rrt)];
 /// Without a distance field, as the goal is not at a position: `distance-guided` then only favours places that were chosen less
 /// often.
-const AUTO_WITHOUT_DISTANCES: [(u64, Planner); 3] =
-    [(4, Planner::Coverage), (2, Planner::DistanceGuided), (1, Planner::Rrt)];
+const AUTO_WITHOUT_DISTANCES: [(u64, u64, Planner); 3] =
+    [(4, 4, Planner::Coverage), (2, 2, Planner::DistanceGuided), (1, 1, Planner::Rrt)];
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {
@@ -324,7 +351,7 @@ struct ParallelSearch<'f, 'a> {
 impl ParallelSearch<'_, '_> {
     /// Grows all trees in rounds. In each round all grow equally, and the first tree in order with an answer wins, so
     /// the result does not depend on timing.
-    fn grow(mut self) -> Outcome {
+    fn grow(mut self, mut interlude: Option<Interlude<'_>>) -> Outcome {
         if self.watch.stop() {
             return self.outcome(Verdict::NotFound, End::Stopped, 0);
         }
@@ -334,12 +361,18 @@ impl ParallelSearch<'_, '_> {
             if left == 0 {
                 return self.unanswered(End::Nodes, 0);
             }
+            if let Some(interlude) = interlude.take_if(|interlude| interlude.nodes <= nodes)
+                && (interlude.ends)()
+            {
+                return self.unanswered(End::Stopped, 0);
+            }
             let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
             if bytes as u64 > self.limits.memory {
                 return self.unanswered(End::Memory, 0);
             }
             let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
             self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
+            let left = interlude.as_ref().map_or(left, |interlude| left.min(interlude.nodes - nodes));
             let share = (left / self.trees.len() as u64).clamp(1, ROUND);
             let endings = self.round(share);
             let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));

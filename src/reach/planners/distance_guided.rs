@@ -70,6 +70,8 @@ pub struct DistanceGuided<'m> {
     /// With a time limit: minimum number of steps to each innermost cell.
     soonest: HashMap<u64, u32>,
     queue: BinaryHeap<Queued>,
+    /// The least distance of a place of any tree.
+    nearest: u32,
 }
 
 impl<'m> DistanceGuided<'m> {
@@ -96,6 +98,7 @@ impl<'m> DistanceGuided<'m> {
             estimates: Vec::new(),
             soonest: HashMap::default(),
             queue: BinaryHeap::new(),
+            nearest: u32::MAX,
         }
     }
 
@@ -141,6 +144,7 @@ impl<'m> DistanceGuided<'m> {
                 let ((x, y), space) = (sim.position(state, distances.player), sim.space(state, distances.player));
                 Estimate { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
             });
+            self.nearest = self.nearest.min(estimates.places);
             self.estimates.resize(place as usize + 1, estimates);
         }
         let soonest = &mut self.estimates[place as usize].soonest;
@@ -216,6 +220,10 @@ impl Strategy for DistanceGuided<'_> {
             Growth::Added(node, point) => self.add(context, node, point),
             Growth::Failed => {}
         }
+    }
+
+    fn nearest(&self) -> Option<u32> {
+        self.distances.map(|_| self.nearest)
     }
 
     fn bytes(&self) -> usize {

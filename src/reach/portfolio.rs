@@ -1,9 +1,6 @@
-//! A portfolio: alternates several planners with different strengths. The first answer counts.
-//!
-//! Its shares are shares of work, which a meter counts, so that they are the same on every machine: a node of one planner
-//! costs many times that of another. Whom to favour depends on who comes further, as in Gagliolo and Schmidhuber,
-//! *Learning Dynamic Algorithm Portfolios*, 2006. Here that is seen while a search runs: a planner that is led by distances
-//! gets most of the work as long as it comes nearer to the goal, and its part when it does not.
+//! A portfolio: alternates several planners with different strengths. The first answer counts. Their shares are shares
+//! of work, which a meter counts, so that they are the same on every machine: a node of one planner costs many times that
+//! of another.
 
 use super::outcome::Plan;
 use super::search_context::Notes;
@@ -15,40 +12,9 @@ const TURN: u64 = 64;
 const SHARE: u64 = 8;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
-/// A planner comes further if its last record was set in this part of its work, or within this work.
-const RECENT: u64 = 3;
-const PATIENCE: u64 = 1_000_000;
 
-/// A planner with its shares of the work.
-pub(super) struct Arm<'a> {
-    pub searcher: Box<dyn Searcher + 'a>,
-    /// The share while nobody is known to come nearer to the goal.
-    pub share: u64,
-    /// The share while this one does.
-    pub leading: u64,
-    /// What it spent, each in parts of its share of then.
-    spent: u64,
-    /// Its work that was spent, and the least distance, with the work at which it was first known.
-    seen: u64,
-    record: (u32, u64),
-}
-
-impl<'a> Arm<'a> {
-    /// A planner that has spent nothing.
-    pub fn new(searcher: Box<dyn Searcher + 'a>, share: u64, leading: u64) -> Self {
-        Arm { searcher, share, leading, spent: 0, seen: 0, record: (u32::MAX, 0) }
-    }
-
-    fn work(&self) -> u64 {
-        self.searcher.work().saturating_add(self.searcher.nodes().saturating_mul(NODE))
-    }
-
-    /// Whether it came nearer to the goal of late.
-    fn is_leading(&self) -> bool {
-        let since = self.seen - self.record.1;
-        self.record.0 < u32::MAX && (since < PATIENCE || since < self.record.1 / RECENT)
-    }
-}
+/// A planner with its share of the work.
+type Arm<'a> = (u64, Box<dyn Searcher + 'a>);
 
 /// Alternates planners.
 pub(super) struct Portfolio<'a> {
@@ -72,26 +38,17 @@ impl<'a> Portfolio<'a> {
 
     fn retire(&mut self, at: usize) {
         self.turn = None;
-        let arm = self.arms.remove(at).searcher;
+        let (_, arm) = self.arms.remove(at);
         self.spent_work += arm.work();
         arm.report(&mut self.spent);
     }
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
-        (0..self.arms.len()).min_by_key(|at| self.arms[*at].spent)
-    }
-
-    /// Charges a planner for what it did since the last time.
-    fn charge(&mut self, at: usize) {
-        let arm = &mut self.arms[at];
-        let work = arm.work();
-        let share = if arm.is_leading() { arm.leading } else { arm.share };
-        arm.spent += (work - arm.seen) / share.max(1);
-        arm.seen = work;
-        if let Some(nearest) = arm.searcher.nearest().filter(|nearest| *nearest < arm.record.0) {
-            arm.record = (nearest, work);
-        }
+        (0..self.arms.len()).min_by_key(|at| {
+            let (share, arm) = &self.arms[*at];
+            arm.work().saturating_add(arm.nodes().saturating_mul(NODE)) / share.max(&1)
+        })
     }
 }
 
@@ -107,19 +64,17 @@ impl Searcher for Portfolio<'_> {
                 Some(turn) => turn,
                 None => {
                     let Some(at) = self.next() else { return Ending::Spent };
-                    let Arm { searcher, share, .. } = &self.arms[at];
-                    (at, searcher.nodes() + (searcher.nodes() / SHARE).max(TURN * share))
+                    let (share, arm) = &self.arms[at];
+                    (at, arm.nodes() + (arm.nodes() / SHARE).max(TURN * share))
                 }
             };
             let is_last = self.arms.len() == 1;
-            let arm = &mut self.arms[at].searcher;
+            let (_, arm) = &mut self.arms[at];
             let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left));
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
-            let is_large = !is_last && arm.bytes() as u64 > self.memory;
-            self.charge(at);
             match ending {
-                Ending::Paused if is_large => match self.arms[at].searcher.pending() {
+                Ending::Paused if !is_last && arm.bytes() as u64 > self.memory => match arm.pending() {
                     Some(plan) => return Ending::Reached(plan),
                     None => self.retire(at),
                 },
@@ -132,32 +87,32 @@ impl Searcher for Portfolio<'_> {
 
     fn pending(&mut self) -> Option<Plan> {
         let Portfolio { arms, planner, .. } = self;
-        arms.iter_mut().find_map(|arm| {
-            let plan = arm.searcher.pending()?;
-            *planner = arm.searcher.planner();
+        arms.iter_mut().find_map(|(_, arm)| {
+            let plan = arm.pending()?;
+            *planner = arm.planner();
             Some(plan)
         })
     }
 
     fn nodes(&self) -> u64 {
-        self.spent.statistics.nodes + self.arms.iter().map(|arm| arm.searcher.nodes()).sum::<u64>()
+        self.spent.statistics.nodes + self.arms.iter().map(|(_, arm)| arm.nodes()).sum::<u64>()
     }
 
     fn work(&self) -> u64 {
-        self.spent_work + self.arms.iter().map(|arm| arm.searcher.work()).sum::<u64>()
+        self.spent_work + self.arms.iter().map(|(_, arm)| arm.work()).sum::<u64>()
     }
 
     fn places(&self) -> u64 {
-        self.arms.iter().map(|arm| arm.searcher.places()).max().unwrap_or(0)
+        self.arms.iter().map(|(_, arm)| arm.places()).max().unwrap_or(0)
     }
 
     fn report(&self, notes: &mut Notes) {
         notes.join(&self.spent);
-        self.arms.iter().for_each(|arm| arm.searcher.report(notes));
+        self.arms.iter().for_each(|(_, arm)| arm.report(notes));
     }
 
     fn bytes(&self) -> usize {
-        self.arms.iter().map(|arm| arm.searcher.bytes()).sum()
+        self.arms.iter().map(|(_, arm)| arm.bytes()).sum()
     }
 
     fn planner(&self) -> &'static str {

@@ -191,10 +191,6 @@ impl Searcher for Sampler<'_> {
         self.context.meter.total()
     }
 
-    fn nearest(&self) -> Option<u32> {
-        self.strategy.nearest()
-    }
-
     fn places(&self) -> u64 {
         self.context.notes.coverage.count().places
     }
@@ -204,7 +200,7 @@ impl Searcher for Sampler<'_> {
     }
 
     fn planner(&self) -> &'static str {
-        self.name
+        self.strategy.planner().unwrap_or(self.name)
     }
 
     fn bytes(&self) -> usize {

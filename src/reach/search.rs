@@ -19,13 +19,14 @@ use super::exhaustive::{Change, Exhaustive};
 use super::metric::{Measure, Metric};
 use super::monitor::monitored;
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
-use super::planners::{Method, Planner};
-use super::portfolio::{Arm, Portfolio, Refinement};
+use super::planners::{Method, Planner, blended};
+use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
 use super::search_context::{Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::start_hold::{StartStatus, finish_hold};
+use super::strategy::Strategy;
 use super::window::Windows;
 
 /// Search settings.
@@ -221,18 +222,15 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner.method() {
             Method::Portfolio => {
-                let planners = match (self.distances, self.problem.time()) {
-                    (Some(_), None) => AUTO,
-                    (Some(_), Some(_)) => AUTO_IN_TIME,
-                    (None, _) => AUTO_WITHOUT_DISTANCES,
-                };
-                let arm = |&(share, leading, planner): &(u64, u64, Planner)| {
-                    Arm::new(self.single(planner, tree, self.settings.hold), share, leading)
-                };
-                let mut arms: Vec<_> = planners.iter().map(arm).collect();
+                let strategy = blended(self.problem, self.measures.0, self.distances);
+                let (planner, hold) = (Planner::DistanceGuided, self.settings.hold);
+                let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
+                let guided = self.sampler(planner, strategy, (tree, hold), (BLENDED_RESTART, false));
+                let share = if self.problem.time().is_some() { IN_TIME } else { BLENDED };
+                let mut arms = vec![(share, guided), (1, self.single(Planner::Rrt, tree, self.settings.hold))];
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
-                    arms.push(Arm::new(Box::new(self.refinement(tree)), 1, 1));
+                    arms.push((1, Box::new(self.refinement(tree))));
                 }
                 Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
             }
@@ -281,20 +279,7 @@ impl<'a> Builder<'_, 'a> {
         match planner.method() {
             Method::Sampling { samples, strategy } => {
                 let strategy = strategy(self.problem, self.measures.0, self.distances);
-                let restart = match self.settings.restart {
-                    Restart::ByPlanner => Some(planner.restart()),
-                    Restart::After(nodes) => Some(nodes),
-                    Restart::Never => None,
-                };
-                // What is never pressed and never released takes few changes, also where no mode reads it.
-                let controls = match self.problem.restriction() {
-                    Some(_) => ControlSets::complete(),
-                    None => ControlSets::default(),
-                };
-                let controls = controls.with_draws(self.problem);
-                let context = self.context(tree, controls, hold);
-                let goal_bias = samples.then_some(self.settings.goal_bias);
-                Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
+                self.sampler(planner, strategy, (tree, hold), (planner.restart(), samples))
             }
             Method::Portfolio | Method::Exhaustive { .. } => {
                 let least = self.problem.min_hold();
@@ -303,6 +288,30 @@ impl<'a> Builder<'_, 'a> {
                 Box::new(self.exhaustive(tree, change, is_best_first))
             }
         }
+    }
+
+    /// A searcher that grows trees with a strategy.
+    fn sampler(
+        &self,
+        planner: Planner,
+        strategy: Box<dyn Strategy + Send + 'a>,
+        (tree, hold): (usize, (u16, u16)),
+        (restart, samples): (u64, bool),
+    ) -> Box<dyn Searcher + 'a> {
+        let restart = match self.settings.restart {
+            Restart::ByPlanner => Some(restart),
+            Restart::After(nodes) => Some(nodes),
+            Restart::Never => None,
+        };
+        // What is never pressed and never released takes few changes, also where no mode reads it.
+        let controls = match self.problem.restriction() {
+            Some(_) => ControlSets::complete(),
+            None => ControlSets::default(),
+        };
+        let controls = controls.with_draws(self.problem);
+        let context = self.context(tree, controls, hold);
+        let goal_bias = samples.then_some(self.settings.goal_bias);
+        Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
     }
 }
 
@@ -321,18 +330,12 @@ const MAX_HOLD: u16 = 4;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The sampling planners of `auto`, with their shares of the work: as a rule, and while they come nearer to the goal. By
-/// measurement, the first solves most goals at a position soonest, the second most others, the third some that these do
-/// not. In addition, an exhaustive search with a share of 1 looks for proofs.
-const AUTO: [(u64, u64, Planner); 3] =
-    [(4, 40, Planner::DistanceGuided), (4, 4, Planner::Coverage), (1, 1, Planner::Rrt)];
-/// With a time limit, the first is the best by far.
-const AUTO_IN_TIME: [(u64, u64, Planner); 3] =
-    [(16, 40, Planner::DistanceGuided), (4, 4, Planner::Coverage), (1, 1, Planner::Rrt)];
-/// Without a distance field, as the goal is not at a position: `distance-guided` then only favours places that were chosen less
-/// often.
-const AUTO_WITHOUT_DISTANCES: [(u64, u64, Planner); 3] =
-    [(4, 4, Planner::Coverage), (2, 2, Planner::DistanceGuided), (1, 1, Planner::Rrt)];
+/// The shares of the work in `auto` of the tree that is led by distances and by coverage, as a rule and with a time limit.
+/// RRT, which finds some things that it does not, and an exhaustive search, which looks for proofs, have a share of 1.
+const BLENDED: u64 = 8;
+const IN_TIME: u64 = 20;
+/// Number of nodes of its shortest tree before a restart.
+const BLENDED_RESTART: u64 = 50_000;
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

@@ -34,11 +34,6 @@ pub(super) trait Searcher: Send {
     /// Its work so far, in units of a [`Meter`](crate::watch::Meter): what it cost, the same on every machine.
     fn work(&self) -> u64;
 
-    /// The least distance to the goal through the level that it has come to, in places, if it is led by it.
-    fn nearest(&self) -> Option<u32> {
-        None
-    }
-
     /// Maximum number of places covered by one of its trees so far.
     fn places(&self) -> u64;
 

@@ -42,8 +42,8 @@ pub trait Strategy {
     /// Learns the result of a choice; `choice` is `None` for a root.
     fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
-    /// The least distance to the goal of a node of any tree, in places, if it is led by distances.
-    fn nearest(&self) -> Option<u32> {
+    /// The name of the planner that made the last choice, if there are several.
+    fn planner(&self) -> Option<&'static str> {
         None
     }
 

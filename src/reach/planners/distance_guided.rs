@@ -70,7 +70,7 @@ pub struct DistanceGuided<'m> {
     /// With a time limit: minimum number of steps to each innermost cell.
     soonest: HashMap<u64, u32>,
     queue: BinaryHeap<Queued>,
-    /// The least distance of a place of any tree.
+    /// The least distance of a place of this tree.
     nearest: u32,
 }
 
@@ -100,6 +100,16 @@ impl<'m> DistanceGuided<'m> {
             queue: BinaryHeap::new(),
             nearest: u32::MAX,
         }
+    }
+
+    /// The least distance of a place of this tree.
+    pub fn nearest(&self) -> u32 {
+        self.nearest
+    }
+
+    /// Forgets a node without untried inputs.
+    pub fn close(&mut self, node: NodeId) {
+        self.cells.remove(node);
     }
 
     /// The keys of a node's place and of its inner cell: velocities and modes.
@@ -215,15 +225,12 @@ impl Strategy for DistanceGuided<'_> {
                 self.estimates.clear();
                 self.soonest.clear();
                 self.queue.clear();
+                self.nearest = u32::MAX;
                 self.add(context, root, point);
             }
             Growth::Added(node, point) => self.add(context, node, point),
             Growth::Failed => {}
         }
-    }
-
-    fn nearest(&self) -> Option<u32> {
-        self.distances.map(|_| self.nearest)
     }
 
     fn bytes(&self) -> usize {

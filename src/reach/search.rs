@@ -335,7 +335,7 @@ const COARSE: [u16; 3] = [10, 5, 2];
 const BLENDED: u64 = 8;
 const IN_TIME: u64 = 20;
 /// Number of nodes of its shortest tree before a restart.
-const BLENDED_RESTART: u64 = 50_000;
+const BLENDED_RESTART: u64 = 100_000;
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

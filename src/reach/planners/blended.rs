@@ -19,13 +19,13 @@ use rand::RngExt;
 /// Of as many choices, those by distance: as a rule, while it comes nearer to the goal, with a time limit, and where the
 /// goal is not at a position.
 const CHOICES: u32 = 8;
-const BY_DISTANCE: u32 = 4;
+const BY_DISTANCE: u32 = 5;
 const WHILE_NEARER: u32 = 7;
 const IN_TIME: u32 = 6;
 const WITHOUT_DISTANCES: u32 = 3;
 /// It comes nearer if it did in this part of the choices, or within as many.
 const RECENT: u64 = 4;
-const PATIENCE: u64 = 500;
+const PATIENCE: u64 = 1_000;
 
 /// A strategy that chooses by distance or by coverage.
 #[derive(Debug)]

@@ -3,6 +3,11 @@
 //! requests that an editor sends. `cargo bench --bench lsp` prints medians and 95th percentiles.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
+#![allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "the table is what it is for, and it looks at the clock"
+)]
 
 #[path = "../tests/lsp/client.rs"]
 mod client;

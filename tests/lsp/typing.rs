@@ -135,5 +135,5 @@ fn typing_new_entities() {
     }
     let percent = |part: usize| part * 100 / all.positions;
     let (first, among_three) = (percent(all.first), percent(all.among_three));
-    assert!(first >= 77 && among_three >= 92, "first {first} %, in three {among_three} %: {:#?}", all.misses);
+    assert!(first >= 78 && among_three >= 92, "first {first} %, in three {among_three} %: {:#?}", all.misses);
 }

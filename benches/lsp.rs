@@ -3,6 +3,11 @@
 //! requests that an editor sends. `cargo bench --bench lsp` prints medians and 95th percentiles.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
+#![allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "the table is what it is for, and it looks at the clock"
+)]
 
 #[path = "../tests/lsp/client.rs"]
 mod client;
@@ -23,6 +28,8 @@ const URI: &str = "file:///game/large.hyped";
 const KEY: Duration = Duration::from_millis(25);
 /// What is typed, in the middle of the program.
 const TYPED: &str = "        when timer > 0.25 and x >= 3 { x := min(x, 7) } -> leftwards\n";
+/// The number of characters of it that are typed one by one in a large program.
+const SINGLE: usize = 20;
 /// How often it is typed and deleted again in bursts.
 const BURSTS: usize = 3;
 
@@ -85,10 +92,11 @@ fn press(client: &mut Client, place: &mut Place, key: Option<char>) {
     client.change(URI, json!([{ "range": { "start": of(start), "end": of(before) }, "text": text }]));
 }
 
-/// The keys that type a line and delete it again.
-fn keys() -> impl Iterator<Item = Option<char>> {
-    let line = TYPED.trim_end();
-    line.chars().map(Some).chain(line.chars().map(|_| None))
+/// The keys that type the first characters of a line and delete them again.
+fn keys(count: usize) -> impl Iterator<Item = Option<char>> {
+    let line: Vec<char> = TYPED.trim_end().chars().take(count).collect();
+    let deleted = line.len();
+    line.into_iter().map(Some).chain((0..deleted).map(|_| None))
 }
 
 fn capabilities() -> Value {
@@ -101,12 +109,12 @@ fn capabilities() -> Value {
 }
 
 /// Single keys: the next one comes when all is done.
-fn alone(client: &mut Client, start: Place) {
+fn alone(client: &mut Client, start: Place, count: usize) {
     let mut place = start;
     // `speed`, in the line above.
     let named = Place { line: start.line - 1, character: "        x' = s".len() };
     let [mut findings, mut cpu, mut idle, mut completions, mut hovers] = [(); 5].map(|()| Times::default());
-    for (at, key) in keys().enumerate() {
+    for (at, key) in keys(count).enumerate() {
         let (began, used) = (Instant::now(), ProcessTime::now());
         press(client, &mut place, key);
         if at % 2 == 0 {
@@ -214,7 +222,7 @@ fn burst(client: &mut Client, start: Place) {
     };
     let mut place = start;
     let mut next = Instant::now();
-    for key in keys() {
+    for key in keys(TYPED.len()) {
         burst.receive_until(next);
         press(burst.client, &mut place, key);
         let version = i64::from(burst.client.version());
@@ -268,7 +276,8 @@ fn main() {
         press(&mut client, &mut place, Some('\n'));
         client.settle();
         println!("{} lines, {:.0} kB", text.lines().count(), text.len() as f64 / 1e3);
-        alone(&mut client, start);
+        // After each of them all values are worked out anew.
+        alone(&mut client, start, if lines > 2_000 { SINGLE } else { TYPED.len() });
         for _ in 0..BURSTS {
             burst(&mut client, start);
         }

@@ -326,7 +326,11 @@ fn sweeps_are_tables_and_maps() {
             &two,
         ),
         (&["sim", "game.hyped", "--inputs", "right*20 -*2 jump*30"], &one),
+        (&["sim", "game.hyped", "--inputs", "right*20 -*2 jump*30", "--csv", "sim.csv"], &one),
+        (&["sim", "game.hyped", "--inputs", "right*20", "--csv", "run.csv"], &[]),
         (&["bounds", "game.hyped"], &one),
+        (&["bounds", "game.hyped", "--csv", "bounds.csv"], &one),
+        (&["bounds", "game.hyped", "--csv", "bounds.csv"], &[]),
         (&["reach", "game.hyped", "--goal", "right", "--quiet"], &["--set", "width=0..16/8"]),
     ] {
         let arguments = [command, numbers].concat();
@@ -336,6 +340,10 @@ fn sweeps_are_tables_and_maps() {
     insta::assert_snapshot!(all);
     let csv = std::fs::read_to_string(folder.0.join("one.csv")).unwrap();
     assert!(csv.starts_with("Hero.jump_speed,kind,goal,verdict,steps") && csv.lines().count() == 5, "{csv}");
+    for (name, begins) in [("sim.csv", "Hero.jump_speed,steps,goal "), ("bounds.csv", "Hero.jump_speed,goal ")] {
+        let csv = std::fs::read_to_string(folder.0.join(name)).unwrap();
+        assert!(csv.starts_with(begins) && csv.lines().count() == 5, "{csv}");
+    }
     let svg = std::fs::read_to_string(folder.0.join("two.svg")).unwrap();
     assert_eq!(svg.matches("<rect class=\"cell").count(), 2 * 12 + svg.matches("width=\"26\" height=\"18\"").count());
     assert!(

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::support::{compile_text, program, script};
+use hypedc::ask::search_svg;
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::json::{self, Layout};
 use hypedc::reach::query::{Answer, Query, Session, TimingErrors};
@@ -14,6 +15,7 @@ use hypedc::reach::robust::{Jitter, MAX_WINDOW, Robustness, SLACK, Side, measure
 use hypedc::reach::{Limits, Plan, Problem, Target};
 use hypedc::sim::{Input, Script, Simulator};
 use hypedc::source::SourceMap;
+use hypedc::view::Images;
 use hypedc::watch::Unwatched;
 
 const WORLD: WorldId = WorldId(0);
@@ -365,4 +367,26 @@ fn what_is_found_is_at_least_as_good_and_leads_there() {
         assert!(robust.success.success_95[1] >= first, "{sigma}: {first} before");
         assert!(robust.success.success > 0.5, "{sigma}: {}", robust.success.success);
     }
+}
+
+/// The picture has a ring for each change that needs timing, and one for each kind of ring in its legend.
+#[test]
+fn a_picture_shows_what_needs_timing() {
+    let program = program(compile_text(PITS));
+    let mut query = Query::new(vec![Target::Goal(GOAL)]);
+    query.errors = Some(TimingErrors::new(1.0, 500));
+    query.limits = Limits { nodes: 2_000, ..query.limits };
+    let session = Session::new(&program, WORLD, query, &Unwatched);
+    let mut found = session.find(Target::Goal(GOAL), &Unwatched).unwrap();
+    let mut answer = session.answer(&mut found, &SourceMap::new());
+    let svg = search_svg(&session, &found, &answer, &Images::default(), &Unwatched);
+    let robust = answer.robust.take().unwrap();
+    let timed = robust.changes.iter().filter(|change| change.needs_timing()).count();
+    assert!(timed > 1 && robust.hardest.is_some(), "{robust:?}");
+    assert_eq!(svg.matches("<circle class=\"moment").count(), timed + 2);
+    assert_eq!(svg.matches("<circle class=\"moment hardest").count(), 2);
+    let hardest = &robust.changes[robust.hardest.unwrap()];
+    assert!(svg.contains(&format!("{}: {}", hardest.what, hardest.window())), "{svg}");
+    // Without the question there are none.
+    assert!(!search_svg(&session, &found, &answer, &Images::default(), &Unwatched).contains("moment"));
 }

@@ -151,7 +151,7 @@ fn draw_goal(program: &Program, Walk { nodes, run }: &Walk, title: &str, notes: 
 fn run(stops: Vec<Stop>) -> Run {
     let poses = stops.iter().map(|stop| Pose { space: stop.space, at: stop.at, parts: Vec::new() }).collect();
     let track = Track { slot: SlotId(0), stops, poses, is_destroyed: false };
-    Run { tracks: vec![track], marks: Vec::new() }
+    Run { tracks: vec![track], marks: Vec::new(), moments: Vec::new() }
 }
 
 /// The numbers in the data of a path, with the letter before each.

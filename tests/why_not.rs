@@ -294,12 +294,58 @@ fn modes_and_values_are_told_in_words() {
     };
     assert_eq!(words(WALKER, ROOMS, "door in open"), "`door in open` is in `locked`");
     assert_eq!(words(WALKER, ROOMS, "hero.mood == cross"), "`hero.mood == cross` is `calm`");
-    assert_eq!(words(WALKER, ROOMS, "hero touching flag"), "`hero touching flag` is in `hall`, 2 rooms away");
+    assert_eq!(
+        words(WALKER, ROOMS, "hero touching flag"),
+        "`hero touching flag` misses by 2 rooms: `hero` is in `hall`"
+    );
     assert_eq!(
         words(WALKER, ROOMS, "all Key in lying and any Door in open"),
         "`all Key in lying` holds; `any Door in open` is in `locked`"
     );
     assert_eq!(words(RUNNER, LEDGE, "hero.y > 94"), "`hero.y > 94` is at the limit and has to be beyond it");
+}
+
+/// Of what edges count, the edge that counts is told, and the nearest state is the one that is nearest to taking it.
+#[test]
+fn what_edges_count_is_told_with_the_edge() {
+    let collector = RUNNER.replace(
+        "    mode ground {",
+        "    discrete gems: int 0..9 = 0
+    always { when touching(body, gem) and gems < 9 { gems += 1 } }
+    always { when gems > 5 { gems -= 1 } }
+    mode ground {",
+    );
+    let body = LEDGE.replace("    collide", "    collide body with gem: sense\n    collide").replace(
+        "        place hero",
+        "        rect gem (60, 120, 8, 8)
+        place hero",
+    );
+    let text = world(&collector, &body, "hero.gems > 2");
+    let edge = 1 + text.lines().position(|line| line.contains("gems += 1")).unwrap();
+    let (program, answer) = ask(&text, Planner::Auto, 3_000, |_| {});
+    let nearest = why(&answer).nearest.as_ref().unwrap();
+    // At the top of a jump the body ends at 94 + 16.
+    let missing =
+        format!("`hero.gems > 2` misses by 3 (edge at test.hyped:{edge}: `touching(body, gem)` misses by 10 px)");
+    assert_eq!(nearest.parts[0].phrase(), missing);
+    assert_eq!((nearest.parts[0].distance, nearest.at.y), (Some(3.0), 94.0));
+    replays(&program, &nearest.at);
+}
+
+/// An instance that blocks the player in the nearest state is named, with what its edges lack.
+#[test]
+fn an_instance_in_the_way_is_named() {
+    let locked = WALLED.replace("        place near_key: Key at (40, 20)\n", "");
+    let (_, answer) = ask(&world(WALKER, &locked, "hero.x > 100"), Planner::Auto, 3_000, |_| {});
+    let why = why(&answer);
+    let way = why.way.as_ref().unwrap();
+    assert_eq!(way.barrier, Barrier::Instance);
+    assert_eq!(way.words, "in the nearest state `door` is right of the player and blocks it, in `locked`");
+    let open = why.modes.iter().find(|mode| mode.instance == "door" && mode.mode == "open").unwrap();
+    assert!(open.is_asked && open.missing.iter().any(|part| part.contains("hero.keys > 0")), "{open:?}");
+    // What is in another direction is not in the way.
+    let (_, answer) = ask(&world(WALKER, &locked, "hero.x < 5"), Planner::Auto, 3_000, |_| {});
+    assert_ne!(self::why(&answer).way.as_ref().map(|way| way.barrier), Some(Barrier::Instance));
 }
 
 /// Each part also tells how near it came by itself.

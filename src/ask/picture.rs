@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use serde::Serialize;
 
 use crate::ir::{GoalId, Program, WorldId};
-use crate::reach::query::{Answer, Found, Session};
+use crate::reach::query::{Answer, ChangeRecord, Found, Session};
 use crate::reach::why_not::WhyNot;
 use crate::reach::{Plan, Verdict, Visited};
 use crate::sim::{Script, Simulator};
-use crate::view::{Images, Mark, Node, Picture, Recorder, Run, picture_svg};
+use crate::view::{Images, Mark, Moment, Node, Picture, Recorder, Run, picture_svg};
 use crate::watch::Watch;
 
 use super::run::{Observed, RunEnd, drive};
@@ -49,7 +49,8 @@ pub fn search_svg(session: &Session, found: &Found<'_>, answer: &Answer, images:
     let (nodes, sim) = (nodes(found), session.simulator());
     let chance = session.query().chance;
     let shown = plan(found).map(|plan| &plan.script).or(nearest(found, answer));
-    let run = shown.map_or(Run::default(), |script| recorded(sim, (script, chance), watch));
+    let mut run = shown.map_or(Run::default(), |script| recorded(sim, (script, chance), watch));
+    run.moments = moments(answer);
     let goals: Vec<GoalId> = sim.world().goal_named(&answer.goal).into_iter().collect();
     let notes = notes(answer);
     let picture = Picture {
@@ -65,6 +66,18 @@ pub fn search_svg(session: &Session, found: &Found<'_>, answer: &Answer, images:
         images,
     };
     picture_svg(sim.program(), sim.world_id(), &picture)
+}
+
+/// The moments of a path that need timing, where that was asked for.
+fn moments(answer: &Answer) -> Vec<Moment> {
+    let Some(robust) = &answer.robust else { return Vec::new() };
+    let timed = robust.changes.iter().enumerate().filter(|(_, change)| change.needs_timing());
+    let moment = |(index, change): (usize, &ChangeRecord)| Moment {
+        step: change.step,
+        words: format!("{}: {}", change.what, change.window()),
+        is_hardest: robust.hardest == Some(index),
+    };
+    timed.map(moment).collect()
 }
 
 /// What an answer says below its picture.

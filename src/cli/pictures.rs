@@ -41,7 +41,12 @@ pub(super) fn image(name: &str, program: &Path) -> Result<(Image, String), Strin
     }
     let bytes = std::fs::read(&path).map_err(|error| why(&error))?;
     let image = decoded(&bytes).map_err(|error| why(&error))?;
-    Ok((image, format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(&bytes))))
+    Ok((image, data_uri("png", &bytes)))
+}
+
+/// The address of a picture that is its content.
+pub(super) fn data_uri(format: &str, picture: &[u8]) -> String {
+    format!("data:image/{format};base64,{}", base64::engine::general_purpose::STANDARD.encode(picture))
 }
 
 /// Decodes a PNG file.

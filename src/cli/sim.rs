@@ -31,7 +31,7 @@ use super::pictures;
 use super::replay;
 use super::report::{Loaded, choose_world, level_sha256, load_changed, plain_error, program_sha256, show, show_fact};
 use super::sim_sweep;
-use super::sweep::swept;
+use super::sweep::{refuses_csv, swept};
 use super::watches::Interrupt;
 
 pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
@@ -42,6 +42,9 @@ pub(super) fn run(args: &SimArgs) -> io::Result<Exit> {
     let file = args.file.as_deref().unwrap_or(Path::new(""));
     if let Some(exit) = swept(&args.numbers, |sweep| sim_sweep::run(args, file, sweep))? {
         return Ok(exit);
+    }
+    if refuses_csv(args.csv.as_deref(), "`--trace run.csv` writes each step of a run")? {
+        return Ok(Exit::Refused);
     }
     if args.format == ResultFormat::Json && args.trace.as_ref().is_some_and(|path| path.as_os_str() == "-") {
         plain_error("`--trace -` and `--format json` both write to standard output")?;

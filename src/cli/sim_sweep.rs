@@ -1,6 +1,7 @@
-//! `hypedc sim --set NAME=A..B/STEP`: the same inputs for each value of one or two numbers of the program, as a table.
+//! `hypedc sim --set NAME=A..B/STEP`: the same inputs for each value of one or two numbers of the program, as a
+//! table and as CSV.
 
-use std::io::{self, Write};
+use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use super::Exit;
 use super::args::{ResultFormat, SimArgs};
 use super::report::{Loaded, choose_world, load_again, load_changed, plain_error};
 use super::sim::{RunEnd, drive, questions, script};
-use super::sweep::Sweep;
+use super::sweep::{Sweep, show};
 use super::watches::Interrupt;
 
 /// What is shown of a run: for each goal and `never`, the first step at which it held.
@@ -29,7 +30,7 @@ struct Row {
 pub(super) fn run(args: &SimArgs, file: &Path, sweep: &Sweep<'_>) -> io::Result<Exit> {
     let is_json = args.format == ResultFormat::Json;
     if args.trace.is_some() || args.svg.is_some() || args.animation.gif.is_some() || is_json {
-        plain_error("a sweep has a table alone: traces, pictures and JSON are of one run")?;
+        plain_error("a sweep has a table alone, which `--csv` writes: traces, pictures and JSON are of one run")?;
         return Ok(Exit::Refused);
     }
     let mut table: Option<Table> = None;
@@ -56,7 +57,7 @@ pub(super) fn run(args: &SimArgs, file: &Path, sweep: &Sweep<'_>) -> io::Result<
                 let of = ["x", "y", "y at most"].map(|what| Column::right("", format!("{name}.{what}")));
                 columns.extend(of);
             }
-            columns.push(Column::left("", ""));
+            columns.push(Column::left("", "end"));
             Table::new(columns)
         });
         let mut cells = sweep.cells(point);
@@ -68,9 +69,7 @@ pub(super) fn run(args: &SimArgs, file: &Path, sweep: &Sweep<'_>) -> io::Result<
         cells.push(row.end.into());
         table.push(cells);
     }
-    let table = table.map_or(String::new(), |table| table.text());
-    write!(io::stdout(), "{head}{table}")?;
-    Ok(Exit::Yes)
+    show(&head, table.as_ref(), args.csv.as_deref())
 }
 
 fn row(args: &SimArgs, loaded: &Loaded, world: WorldId, script: &crate::sim::Script) -> io::Result<Row> {

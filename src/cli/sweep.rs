@@ -1,14 +1,15 @@
 //! Sweeps: one or two numbers of a program that take each of some values in turn. Commands compile and ask for each point
 //! of the grid, and show a table.
 
-use std::io;
+use std::io::{self, Write};
+use std::path::Path;
 
 use crate::compile::NumberSetting;
-use crate::tabular::{Cell, Column};
+use crate::tabular::{Cell, Column, Table};
 
 use super::Exit;
 use super::args::SetArgs;
-use super::report::plain_error;
+use super::report::{plain_error, written};
 
 /// Maximum number of sweeps of a command, and of points of the grid.
 const MAX_AXES: usize = 2;
@@ -29,6 +30,27 @@ pub(super) fn swept(args: &SetArgs, run: impl FnOnce(&Sweep<'_>) -> io::Result<E
             Ok(Some(Exit::Refused))
         }
     }
+}
+
+/// Shows the table of a sweep, and writes it as CSV if that is asked for.
+pub(super) fn show(head: &str, table: Option<&Table>, csv: Option<&Path>) -> io::Result<Exit> {
+    let (text, lines) = table.map_or_else(Default::default, |table| (table.text(), table.csv()));
+    if let Some(path) = csv
+        && !written(path, &lines)?
+    {
+        return Ok(Exit::Refused);
+    }
+    let saved = csv.map_or(String::new(), |path| format!("table   {}\n", path.display()));
+    write!(io::stdout(), "{head}{text}{saved}")?;
+    Ok(Exit::Yes)
+}
+
+/// Refuses `--csv` where nothing is swept.
+pub(super) fn refuses_csv(csv: Option<&Path>, instead: &str) -> io::Result<bool> {
+    if csv.is_some() {
+        plain_error(&format!("`--csv` writes the table of a sweep, `--set NAME=FIRST..LAST/STEP`; {instead}"))?;
+    }
+    Ok(csv.is_some())
 }
 
 impl<'a> Sweep<'a> {

@@ -102,6 +102,27 @@ impl CommandWatch {
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
+
+    /// The same watch for work that has only a part of the time, if that is limited.
+    pub fn part(&self, part: f64) -> PartWatch<'_> {
+        PartWatch { whole: self, seconds: self.seconds.map(|seconds| part * seconds) }
+    }
+}
+
+/// A watch over the first part of the time of another.
+pub(super) struct PartWatch<'w> {
+    whole: &'w CommandWatch,
+    seconds: Option<f64>,
+}
+
+impl Watch for PartWatch<'_> {
+    fn stop(&self) -> bool {
+        self.whole.stop() || self.seconds.is_some_and(|limit| self.whole.seconds() >= limit)
+    }
+
+    fn progress(&self, progress: Progress) {
+        self.whole.progress(progress);
+    }
 }
 
 impl Watch for CommandWatch {

@@ -219,15 +219,18 @@ impl Snapshot {
 
     /// The syntax tree of a behaviour, by name.
     pub fn behavior(&self, name: &str) -> Option<Behavior> {
-        let files = self.ide.compilation.sources.iter();
-        let programs = files.filter(|(_, file)| file.path.extension().is_some_and(|e| e == "hyped"));
-        programs.into_iter().find_map(|(id, file)| {
-            let (tree, _) = syntax::parse(id, file.text());
-            tree.items.into_iter().find_map(|item| match item {
-                Item::Behavior(behavior) if behavior.name.text == name => Some(*behavior),
+        let of = |tree: &ast::File| {
+            tree.items.iter().find_map(|item| match item {
+                Item::Behavior(behavior) if behavior.name.text == name => Some((**behavior).clone()),
                 _ => None,
             })
-        })
+        };
+        if !self.trees.is_empty() {
+            return self.trees.iter().find_map(|parsed| of(&parsed.file));
+        }
+        let files = self.ide.compilation.sources.iter();
+        let programs = files.filter(|(_, file)| file.path.extension().is_some_and(|e| e == "hyped"));
+        programs.into_iter().find_map(|(id, file)| of(&syntax::parse(id, file.text()).0))
     }
 
     /// The text of the `///` lines above a span.

@@ -56,7 +56,8 @@ pub struct Settings {
     pub checks: bool,
     /// Whether the states that come nearest to the target are kept, to explain a missing answer.
     pub explains: bool,
-    /// Whether `auto` visits all states, in another way, when its search has found nothing.
+    /// Whether `auto` visits all states, in another way, when its search has found nothing: with the feature `cli` alone,
+    /// elsewhere [`exhaust`](super::exhaust) does it.
     pub exhausts: bool,
 }
 

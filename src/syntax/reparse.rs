@@ -27,7 +27,6 @@ pub struct Parsed {
     /// The text that the parser saw.
     mended: String,
     kept: Vec<Kept>,
-    taken: usize,
 }
 
 impl Parsed {
@@ -38,7 +37,7 @@ impl Parsed {
 
     /// The number of items that were taken from an earlier text.
     pub fn taken(&self) -> usize {
-        self.taken
+        self.kept.iter().filter(|kept| kept.is_taken).count()
     }
 }
 
@@ -62,8 +61,7 @@ pub fn reparse(id: FileId, source: &str, before: Option<&Parsed>) -> Parsed {
     let mended = scanned.text.take();
     let earlier = before.map(Earlier::of);
     let (file, kept) = build::file(id, source, (&scanned, mended.as_deref()), earlier.as_ref(), &mut diagnostics);
-    let taken = kept.iter().filter(|kept| kept.is_taken).count();
-    Parsed { file, diagnostics, source: source.to_string(), mended: mended.unwrap_or_default(), kept, taken }
+    Parsed { file, diagnostics, source: source.to_string(), mended: mended.unwrap_or_default(), kept }
 }
 
 /// The items of an earlier text, by their first lines.

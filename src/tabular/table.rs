@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use super::csv;
+
 /// Number of blanks between two columns.
 const GAP: usize = 2;
 
@@ -101,6 +103,13 @@ impl Table {
         out
     }
 
+    /// The table as comma-separated values, headings first; common headings are left out.
+    pub fn csv(&self) -> String {
+        let names = csv::line(self.columns.iter().map(|column| &column.name));
+        let rows = self.rows.iter().map(|row| csv::line(row.iter().map(|cell| &cell.0)));
+        std::iter::once(names).chain(rows).map(|line| line + "\n").collect()
+    }
+
     fn widths(&self, names: &[Cell]) -> Vec<usize> {
         let rows = || self.rows.iter().map(Vec::as_slice).chain([names]);
         let width = |at: usize| rows().filter_map(|r| r.get(at)).map(|c| c.0.chars().count()).max().unwrap_or(0);
@@ -130,5 +139,6 @@ mod tests {
                         rrt                  12  -\n\
                         exhaustive            3\n";
         assert_eq!(table.text(), expected);
+        assert_eq!(table.csv(), "who,a,b\nrrt,12,-\nexhaustive,3,\n");
     }
 }

@@ -7,6 +7,7 @@ use super::body::pushes;
 use super::frame::Rect;
 use super::heat::{self, LEVELS};
 use super::look;
+use super::moment;
 use super::panel::{HEROES, PictureContext};
 use super::svg::{Number, escaped, put, shortened, text_width};
 use super::track::Track;
@@ -76,6 +77,13 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
     if !routes.is_empty() {
         if routes.iter().any(|route| route.track.stops.iter().any(|stop| stop.changes)) {
             entries.push((Sign::Dot("dot", 2.5), "inputs change".into()));
+        }
+        let moments = &context.picture.run.moments;
+        if moments.iter().any(|moment| !moment.is_hardest) {
+            entries.push((Sign::Dot("moment", moment::RADIUS), "needs timing: steps too early, too late".into()));
+        }
+        if moments.iter().any(|moment| moment.is_hardest) {
+            entries.push((Sign::Dot("moment hardest", moment::RADIUS), "the hardest moment".into()));
         }
         entries.push((Sign::Ghost("ghost"), "player on its way".into()));
         if routes.iter().any(|route| route.segments.len() > 1) {

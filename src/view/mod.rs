@@ -8,7 +8,7 @@
 //! | `panel` | one space or a part of it, layer by layer |
 //! | `frame`, `extent` | the transformation to the picture; the visible part of a space |
 //! | `appearance` | the colours of kinds of tiles |
-//! | `tiles`, `heat`, `tree`, `route`, `trail`, `trap`, `goal`, `body` | the layers |
+//! | `tiles`, `heat`, `tree`, `route`, `trail`, `trap`, `moment`, `goal`, `body` | the layers |
 //! | `look` | the colours and pictures that a program gives to things |
 //! | `cells` | where a search was, as plain data |
 //! | `verdict_map` | verdicts over the values of a program's numbers |
@@ -27,6 +27,7 @@ mod heat;
 mod label;
 mod legend;
 mod look;
+mod moment;
 mod palette;
 mod panel;
 mod picture;
@@ -49,5 +50,5 @@ pub use palette::{ColorTable, Colors};
 pub use picture::{Node, Picture, PictureLayer, picture_svg};
 pub use record::Recorder;
 pub use svg::escaped;
-pub use track::{Mark, Part, Pose, Run, Stop, Track};
+pub use track::{Mark, Moment, Part, Pose, Run, Stop, Track};
 pub use verdict_map::{Shade, VerdictMap, VerdictPanel, verdict_map_svg};

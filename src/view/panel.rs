@@ -13,7 +13,7 @@ use super::picture::{Node, Picture};
 use super::route::{self, Route, crosses, jumps};
 use super::svg::{Number, escaped, line_data, put};
 use super::track::Track;
-use super::{look, tiles, trail, trap, tree};
+use super::{look, moment, tiles, trail, trap, tree};
 
 /// Maximum number of lines of the tree and of rectangles of the heat map in the whole picture.
 const MAX_LINES: usize = 16_000;
@@ -119,6 +119,9 @@ pub(super) fn draw(out: &mut String, context: &PictureContext<'_>, id: SpaceId, 
         route.draw(out, frame, id, lines, &mut labels);
     }
     marks(out, context, id, frame, &mut labels);
+    if let Some(route) = context.routes.first() {
+        moment::draw(out, &context.picture.run.moments, route, (frame, id), &mut labels);
+    }
     for (goal, _, rect) in goals {
         // The name of a wide region is inside, below its upper edge.
         let beside = if rect.height > height / 2.0 { Rect { height: 0.0, ..rect } } else { rect };

@@ -10,6 +10,7 @@ use super::goal::Goal;
 use super::grid::{Fold, Grid, HEAD, MARGIN, folded};
 use super::legend;
 use super::look::Images;
+use super::moment;
 use super::panel::{self, PictureContext};
 use super::route::{Route, segments};
 use super::style::STYLE;
@@ -150,11 +151,12 @@ pub fn picture_svg(program: &Program, id: WorldId, picture: &Picture<'_>) -> Str
     out.push_str("</g>\n");
 
     let traps = if picture.traps.is_empty() { "" } else { trap::STYLE };
+    let moments = if picture.run.moments.is_empty() { "" } else { moment::STYLE };
     let (width, height) = (Number((width + 2.0 * MARGIN).ceil()), Number(y.ceil()));
     let name = format!("{}, {}: {}", world.name, picture.title, picture.result);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}{traps}</style>\n\
+         viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n<style>{STYLE}{traps}{moments}</style>\n\
          <rect class=\"paper\" width=\"{width}\" height=\"{height}\"/>\n{out}</svg>\n",
         escaped(&name)
     )

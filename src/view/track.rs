@@ -10,6 +10,8 @@ pub struct Run {
     pub tracks: Vec<Track>,
     /// What became true on the way, in order.
     pub marks: Vec<Mark>,
+    /// What has to be timed on the way, in order.
+    pub moments: Vec<Moment>,
 }
 
 /// The way of an instance in one life.
@@ -73,6 +75,17 @@ pub struct Mark {
     pub step: u64,
     /// The time until then, s.
     pub seconds: f64,
+}
+
+/// A change of the first player's input that needs timing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// The number of steps before it.
+    pub step: u64,
+    /// What it is, and how much too early or too late it can be.
+    pub words: String,
+    /// Whether it is the hardest one.
+    pub is_hardest: bool,
 }
 
 impl Run {

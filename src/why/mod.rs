@@ -29,3 +29,4 @@ pub use predicate::{predicate_atoms, predicate_distance};
 pub use record::{Atom, Contact, EdgeState, Inspected, Place, Value};
 pub use run::{AtomSince, EdgeWhy, ModeSince, RunError, Touched, Why, Write, why};
 pub use step::{Moment, inspect, place, shown};
+pub(crate) use whom::is_at;

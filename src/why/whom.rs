@@ -87,7 +87,7 @@ fn images(space: &Space, body: &Bounds) -> Vec<Bounds> {
 }
 
 /// Whether something is at a side of a body, or anywhere beside or in it.
-fn is_at(own: &Bounds, there: &Bounds, side: Option<Side>) -> bool {
+pub fn is_at(own: &Bounds, there: &Bounds, side: Option<Side>) -> bool {
     let across = own.left < there.right && own.right > there.left;
     let along = own.bottom < there.top && own.top > there.bottom;
     let near = |a: f64, b: f64| (a - b).abs() <= NEAR;

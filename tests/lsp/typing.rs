@@ -37,7 +37,21 @@ struct Count {
     first: usize,
     among_three: usize,
     new_names: usize,
+    /// Of the positions after the first letter of a word: how many there are, and in how many the item is first, and
+    /// among the first three.
+    after_a_letter: [usize; 3],
     misses: Vec<Miss>,
+}
+
+impl Count {
+    fn add(&mut self, other: Count) {
+        self.positions += other.positions;
+        self.first += other.first;
+        self.among_three += other.among_three;
+        self.new_names += other.new_names;
+        self.after_a_letter.iter_mut().zip(other.after_a_letter).for_each(|(all, one)| *all += one);
+        self.misses.extend(other.misses);
+    }
 }
 
 /// The words of the language.
@@ -64,8 +78,13 @@ fn typed(text: &str) -> Count {
             _ => Vec::new(),
         };
         let (place, first) = place(items.iter().map(|item| item.label.as_str()), position);
-        count.first += usize::from(place == Some(1));
-        count.among_three += usize::from(place.is_some_and(|place| place <= 3));
+        let (is_first, is_among_three) = (place == Some(1), place.is_some_and(|place| place <= 3));
+        count.first += usize::from(is_first);
+        count.among_three += usize::from(is_among_three);
+        if !position.typed.is_empty() {
+            let found = [1, usize::from(is_first), usize::from(is_among_three)];
+            count.after_a_letter.iter_mut().zip(found).for_each(|(all, one)| *all += one);
+        }
         if place != Some(1) {
             count.misses.push(Miss {
                 line: so_far.matches('\n').count() + 1,
@@ -90,10 +109,7 @@ fn typing_the_examples() {
             let count = typed(&format!("{}\n{entity}", constants.join("\n")));
             let name = entity.lines().next().unwrap();
             println!("{:60} {:4} {:4} {:4}", name, count.positions, count.first, count.among_three);
-            all.positions += count.positions;
-            all.first += count.first;
-            all.among_three += count.among_three;
-            for miss in count.misses {
+            for miss in &count.misses {
                 let last = miss.before.split_whitespace().next_back().unwrap_or_default().to_string();
                 *by_pattern.entry(format!("{last} ⇒ {}", miss.wanted)).or_default() += 1;
                 println!(
@@ -105,6 +121,7 @@ fn typing_the_examples() {
                     miss.first
                 );
             }
+            all.add(count);
         }
     }
     let percent = |part: usize| part as f64 * 100.0 / all.positions as f64;
@@ -126,14 +143,18 @@ fn typing_new_entities() {
     for path in crate::support::files("tests/lsp/sessions", "hyped") {
         let count = typed(&std::fs::read_to_string(&path).unwrap());
         assert!(count.positions >= 150, "{}", path.display());
-        let Count { positions, first, among_three, new_names, .. } = count;
-        println!("{}: {positions} positions, {first}, {among_three}; {new_names} new names", path.display());
-        all.positions += count.positions;
-        all.first += count.first;
-        all.among_three += count.among_three;
-        all.misses.extend(count.misses);
+        let Count { positions, first, among_three, new_names, after_a_letter, .. } = &count;
+        println!(
+            "{}: {positions} positions, {first}, {among_three}; after a letter {after_a_letter:?}; {new_names} new names",
+            path.display()
+        );
+        all.add(count);
     }
-    let percent = |part: usize| part * 100 / all.positions;
-    let (first, among_three) = (percent(all.first), percent(all.among_three));
-    assert!(first >= 71 && among_three >= 86, "first {first} %, in three {among_three} %: {:#?}", all.misses);
+    let percent = |part: usize, of: usize| part * 100 / of;
+    let (first, among_three) = (percent(all.first, all.positions), percent(all.among_three, all.positions));
+    let [letters, first_after, among_three_after] = all.after_a_letter;
+    println!("all: first {first} %, in three {among_three} %; after a letter {:?} of {letters}", all.after_a_letter);
+    let after = (percent(first_after, letters), percent(among_three_after, letters));
+    assert!(first >= 77 && among_three >= 92, "first {first} %, in three {among_three} %: {:#?}", all.misses);
+    assert!(after.0 >= 90 && after.1 >= 97, "after a letter, in percent: {after:?}");
 }

@@ -210,6 +210,9 @@ pub(in crate::cli) struct BoundsArgs {
     /// As tables for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
+    /// Writes the table of a sweep to a CSV file.
+    #[arg(long, value_name = "PATH", value_parser = output())]
+    pub csv: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -263,6 +266,9 @@ pub(in crate::cli) struct SimArgs {
     /// As text for people, or as JSON.
     #[arg(long, value_enum, default_value = "human")]
     pub format: ResultFormat,
+    /// Writes the table of a sweep to a CSV file.
+    #[arg(long, value_name = "PATH", value_parser = output())]
+    pub csv: Option<PathBuf>,
     /// Draws the run to an SVG file: the level, the ways of all that moves, the goals that were reached.
     #[arg(long, value_name = "PATH", value_parser = output())]
     pub svg: Option<PathBuf>,
@@ -280,7 +286,7 @@ pub(in crate::cli) struct SimArgs {
     #[arg(
         long,
         value_name = "TRACE",
-        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "gif", "html", "set", "expect", "expect_not", "format"]
+        conflicts_with_all = ["world", "inputs", "inputs_file", "frames", "chance", "trace", "svg", "csv", "gif", "html", "set", "expect", "expect_not", "format"]
     )]
     pub replay: Option<PathBuf>,
 }

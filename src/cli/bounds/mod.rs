@@ -22,7 +22,7 @@ use crate::watch::Unwatched;
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
 use crate::cli::report::{Loaded, choose_world, load_changed};
-use crate::cli::sweep::swept;
+use crate::cli::sweep::{refuses_csv, swept};
 use table::write_table;
 
 /// The version of the JSON result.
@@ -105,6 +105,9 @@ impl<'a> WorldBounds<'a> {
 pub(in crate::cli) fn run(args: &BoundsArgs) -> io::Result<Exit> {
     if let Some(exit) = swept(&args.numbers, |sweep| sweep::run(args, sweep))? {
         return Ok(exit);
+    }
+    if refuses_csv(args.csv.as_deref(), "`--format json` has all of one program")? {
+        return Ok(Exit::Refused);
     }
     let numbers = args.numbers.fixed();
     let changes = Changes { numbers: &numbers, ..Changes::default() };

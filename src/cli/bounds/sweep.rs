@@ -1,7 +1,7 @@
 //! `hypedc bounds --set NAME=A..B/STEP`: for each value of one or two numbers of the program, which goals are ruled out, and
 //! the ranges of the players' positions and velocities.
 
-use std::io::{self, Write};
+use std::io;
 
 use crate::analysis::wording::number;
 use crate::analysis::{ConfigurationSpace, SlotSpace};
@@ -13,11 +13,11 @@ use super::{bounds_of, goals};
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
 use crate::cli::report::{choose_world, load_again, load_changed, plain_error};
-use crate::cli::sweep::Sweep;
+use crate::cli::sweep::{Sweep, show};
 
 pub(super) fn run(args: &BoundsArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
     if args.format == ResultFormat::Json {
-        plain_error("a sweep of `bounds` is a table for people; `reach` writes its sweeps as JSON and CSV")?;
+        plain_error("a sweep of `bounds` is a table, which `--csv` writes; `reach` writes its sweeps as JSON, too")?;
         return Ok(Exit::Refused);
     }
     let mut table: Option<Table> = None;
@@ -49,9 +49,7 @@ pub(super) fn run(args: &BoundsArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
         cells.extend(quantities(world).map(|(slot, var, degree)| range(&space, slot, var, degree).into()));
         table.push(cells);
     }
-    let table = table.map_or(String::new(), |table| table.text());
-    write!(io::stdout(), "{head}{table}")?;
-    Ok(Exit::Yes)
+    show(&head, table.as_ref(), args.csv.as_deref())
 }
 
 /// The positions and velocities of players.

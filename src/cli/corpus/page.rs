@@ -5,8 +5,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use base64::Engine;
-
 use crate::ask::recorded;
 use crate::compile::{Compilation, compile_changed};
 use crate::corpus::{Comparison, Flip, Key, LengthChange, Row, Unpaired, summary};
@@ -19,7 +17,7 @@ use crate::watch::Unwatched;
 
 use super::Presentation;
 use crate::cli::disk::Disk;
-use crate::cli::pictures::images;
+use crate::cli::pictures::{data_uri, images};
 use crate::cli::reach::question::ReachChanges;
 use crate::cli::reach::refuted::command_line;
 use crate::cli::report::find_world;
@@ -115,9 +113,9 @@ impl Presentation<'_> {
         }
         out.push_str("<td class=\"picture\">");
         if let Some(picture) = self.picture(row) {
-            let data = base64::engine::general_purpose::STANDARD.encode(picture);
+            let data = data_uri("svg+xml", picture.as_bytes());
             let what = escaped(&format!("{}: {}", key.level_name(), answer.verdict.words()));
-            out.push_str(&format!("<img loading=\"lazy\" alt=\"{what}\" src=\"data:image/svg+xml;base64,{data}\">"));
+            out.push_str(&format!("<img loading=\"lazy\" alt=\"{what}\" src=\"{data}\">"));
         }
         out.push('\n');
     }

@@ -35,10 +35,10 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
     out.push_str(&format!(
         "    hardest {}: {}; with errors of it alone {} succeed\n",
         moment(hardest, has_rooms),
-        window(hardest),
+        hardest.window(),
         percent(hardest.alone)
     ));
-    let mut others: Vec<&ChangeRecord> = robust.changes.iter().filter(|change| needs_timing(change)).collect();
+    let mut others: Vec<&ChangeRecord> = robust.changes.iter().filter(|change| change.needs_timing()).collect();
     let (all, count) = (robust.changes.len(), others.len());
     let shown = if lists_all { count } else { MAX_MOMENTS };
     others.sort_by(|a, b| a.alone.total_cmp(&b.alone).then(a.step.cmp(&b.step)));
@@ -48,15 +48,9 @@ pub(super) fn robust_text(robust: &RobustRecord, step: f64, has_rooms: bool, lis
         if shown < count { format!(", the hardest {shown} of them (`--verbose` shows all)") } else { String::new() };
     out.push_str(&format!("    windows {count} of {all} changes need timing, in steps{rest}\n"));
     for change in others {
-        out.push_str(&format!("            {}: {}\n", moment(change, has_rooms), window(change)));
+        out.push_str(&format!("            {}: {}\n", moment(change, has_rooms), change.window()));
     }
     out
-}
-
-/// Whether a change can be missed.
-fn needs_timing(change: &ChangeRecord) -> bool {
-    let is_limited = |side: Option<u32>, is_least: bool| side.is_some() && !is_least;
-    is_limited(change.early, change.early_is_least) || is_limited(change.late, change.late_is_least)
 }
 
 /// `83.1 % (82.3 to 83.8 %)`
@@ -74,15 +68,4 @@ fn moment(change: &ChangeRecord, has_rooms: bool) -> String {
     let room = change.space.as_ref().filter(|_| has_rooms).map_or(String::new(), |space| format!(" in `{space}`"));
     let at = change.at.map_or(String::new(), |[x, y]| format!(", x = {x:.0}, y = {y:.0}{room}"));
     format!("{} at {:.2} s{at}", change.what, change.seconds)
-}
-
-/// `3 early, 5 late`, in steps.
-fn window(change: &ChangeRecord) -> String {
-    let side = |steps: Option<u32>, is_least: bool| match steps {
-        None => "any".to_string(),
-        Some(steps) if is_least => format!("{steps} or more"),
-        Some(steps) => steps.to_string(),
-    };
-    let (early, late) = (side(change.early, change.early_is_least), side(change.late, change.late_is_least));
-    format!("{early} early, {late} late")
 }

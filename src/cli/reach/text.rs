@@ -205,11 +205,10 @@ fn search_text(answer: &Answer, seconds: f64) -> String {
     if is_open {
         let c = &answer.coverage;
         out.push_str(&format!(
-            "    covered {} places of {} px, {} combinations of modes, {} of both; in the second half {}, {} and {} of \
-             them new\n",
-            c.places,
+            "    covered {} of {} px, {} of modes, {} of both; in the second half {}, {} and {} of them new\n",
+            counted(c.places, "place"),
             c.place,
-            c.mode_combinations,
+            counted(c.mode_combinations, "combination"),
             c.places_with_modes,
             c.new_places,
             c.new_mode_combinations,

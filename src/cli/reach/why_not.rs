@@ -137,7 +137,7 @@ fn hints(answer: &Answer, query: &Query) -> Vec<String> {
         hints.push("a longer `--within`: the nearest state is at the end of the time".to_string());
     }
     if query.min_hold > 1 {
-        hints.push("a shorter `--min-hold`, which allows quicker inputs".to_string());
+        hints.push("quicker inputs: a shorter `--min-hold` or `--reaction`".to_string());
     }
     if answer.verdict.is_open() && query.settings.planner != Planner::Auto {
         hints.push("`--planner auto`, which alternates several".to_string());

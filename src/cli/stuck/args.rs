@@ -35,7 +35,7 @@ pub(in crate::cli) struct StuckArgs {
     /// Maximum number of nodes of that search, and again of the searches from the places that it finds.
     #[arg(long, value_name = "N", default_value_t = 400_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub nodes: u64,
-    /// Maximum time, s.
+    /// Maximum time, s; at most 40 % of it to visit all states.
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Maximum memory for states, MiB.

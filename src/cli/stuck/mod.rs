@@ -34,6 +34,8 @@ use text::result_text;
 
 /// Maximum number of ways in a result.
 const MAX_WAYS: usize = 100;
+/// The part of a limit of time in which all states are visited.
+const EXACT_PART: f64 = 0.4;
 
 pub(in crate::cli) fn run(args: &StuckArgs) -> io::Result<Exit> {
     if let Some(why) = args.numbers.refusal() {
@@ -129,11 +131,12 @@ fn find(
     loaded: &Loaded,
     (sim, goal): (&Simulator, GoalId),
     result: &mut StuckResult,
-    watch: &dyn Watch,
+    watch: &CommandWatch,
 ) -> Result<Drawn, Fault> {
     let problem = Problem::new(sim, goal);
     let [all, limits] = [args.states, args.nodes].map(|nodes| Limits { nodes, memory: args.memory << 20 });
-    let gap = match find_stuck(&problem, &all, MAX_WAYS, watch)? {
+    // The search for candidates needs time, too.
+    let gap = match find_stuck(&problem, &all, MAX_WAYS, &watch.part(EXACT_PART))? {
         Ok(exact) => return Ok(add_exact(result, exact, sim)),
         Err(gap) => gap,
     };
@@ -141,9 +144,10 @@ fn find(
         // The fault is shown, and the search goes on around it.
         let _ = show_fact(&loaded.sources, fault.fact(&loaded.program, sim.world_id(), step));
     }
-    result.not_all_states = Some(gap_words(gap, &all, sim.world()));
+    let stopped = Stopped { is_interrupted: watch.is_interrupted(), seconds: args.seconds };
+    result.not_all_states = Some(gap_words(gap, &all, sim.world(), stopped));
     if watch.stop() {
-        result.unknown = Some(unknown_words(Unknown::Stopped));
+        result.unknown = Some(unknown_words(Unknown::Stopped, stopped));
         return Ok(Drawn::default());
     }
     let nevers: Vec<ExprId> = sim.world().nevers.iter().map(|never| never.holds).collect();
@@ -151,7 +155,8 @@ fn find(
     match find_candidates(&problem, &space, &CandidateLimits { limits, seed: args.seed }, watch)? {
         Ok(answer) => Ok(add_candidates(result, answer, sim)),
         Err(unknown) => {
-            result.unknown = Some(unknown_words(unknown));
+            let stopped = Stopped { is_interrupted: watch.is_interrupted(), ..stopped };
+            result.unknown = Some(unknown_words(unknown, stopped));
             Ok(Drawn::default())
         }
     }
@@ -181,19 +186,36 @@ fn add_candidates(result: &mut StuckResult, answer: CandidateAnswer, sim: &Simul
     Drawn { spots: answer.spots, scripts }
 }
 
-/// Why nothing can be said, and what helps.
-fn unknown_words(unknown: Unknown) -> String {
-    match unknown {
-        Unknown::NotFound => "no way to the goal was found from the start; `hypedc reach` tells more",
-        Unknown::Unreachable => "the goal cannot be reached from the start; `hypedc reach` tells why",
-        Unknown::NoRest => "players never rest in this world, so that there are no places to search from",
-        Unknown::Stopped => "the search was stopped",
+/// What stopped a search.
+#[derive(Clone, Copy)]
+struct Stopped {
+    /// Whether ctrl-C was pressed.
+    is_interrupted: bool,
+    /// The limit of time.
+    seconds: Option<f64>,
+}
+
+impl Stopped {
+    fn words(self) -> String {
+        match self.seconds.filter(|_| !self.is_interrupted) {
+            Some(seconds) => format!("`--seconds {seconds}` allows no more"),
+            None => "the search was interrupted".to_string(),
+        }
     }
-    .to_string()
+}
+
+/// Why nothing can be said, and what helps.
+fn unknown_words(unknown: Unknown, stopped: Stopped) -> String {
+    match unknown {
+        Unknown::NotFound => "no way to the goal was found from the start; `hypedc reach` tells more".to_string(),
+        Unknown::Unreachable => "the goal cannot be reached from the start; `hypedc reach` tells why".to_string(),
+        Unknown::NoRest => "players never rest in this world, so that there are no places to search from".to_string(),
+        Unknown::Stopped => format!("places to get stuck were not looked for to the end: {}", stopped.words()),
+    }
 }
 
 /// Why not all states were visited, and what helps.
-fn gap_words(gap: Gap, limits: &Limits, world: &World) -> String {
+fn gap_words(gap: Gap, limits: &Limits, world: &World, stopped: Stopped) -> String {
     match gap {
         Gap::Inputs => "there are too many combinations of buttons".to_string(),
         Gap::Draws => "nature draws from too many values".to_string(),
@@ -204,6 +226,6 @@ fn gap_words(gap: Gap, limits: &Limits, world: &World) -> String {
         Gap::Fault(..) => "the program has a run-time error".to_string(),
         Gap::Nodes => format!("more than `--states {}` allows", limits.nodes),
         Gap::Memory => "the memory is full; `--memory MIB` gives more".to_string(),
-        Gap::Stopped => "the search was stopped".to_string(),
+        Gap::Stopped => stopped.words(),
     }
 }

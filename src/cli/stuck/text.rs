@@ -52,7 +52,7 @@ pub(super) fn summary(result: &StuckResult) -> String {
         }
         (None, StuckVerdict::Candidates) => format!("not proven, {} to look at", number_of(result.places, "place")),
         (None, StuckVerdict::NoneFound) => "not proven".to_string(),
-        (None, _) => "not all states were visited".to_string(),
+        (None, _) => "not proven".to_string(),
     }
 }
 

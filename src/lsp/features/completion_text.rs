@@ -12,7 +12,7 @@ use super::completion_items::{CompletionCollector, CompletionKind};
 use super::completion_order::UNDECLARED;
 use crate::lsp::location::FileOffset;
 use crate::lsp::text::cursor::{Block, CursorContext};
-use crate::lsp::text::lexer::{Kind, starts_name, tokens};
+use crate::lsp::text::lexer::{Kind, starts_name, tokens, words};
 use crate::lsp::text::operands::ends_operand;
 use crate::lsp::text::words::is_keyword;
 use crate::lsp::view::View;
@@ -21,8 +21,7 @@ use crate::lsp::view::View;
 pub(super) fn half_typed<'t>(code: &'t str, word: &Range<usize>) -> Option<&'t str> {
     // `x` and `y` need no declaration.
     let text = code.get(word.clone()).filter(|text| !matches!(*text, "" | "x" | "y"))?;
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    let is_known = is_keyword(text) || code.split(|c| !is_part(c)).filter(|other| *other == text).count() > 1;
+    let is_known = is_keyword(text) || words(code).filter(|other| *other == text).count() > 1;
     (!is_known).then_some(text)
 }
 
@@ -40,8 +39,7 @@ pub(super) fn deleted_names(view: &View, at: &FileOffset, code: &str) -> BTreeSe
         return deleted;
     }
     let mut keep = |code: &str| {
-        let is_part = |c: char| !(c.is_alphanumeric() || c == '_');
-        for word in code.split(is_part) {
+        for word in words(code) {
             deleted.remove(word);
         }
     };

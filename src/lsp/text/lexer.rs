@@ -41,6 +41,11 @@ impl Token {
     }
 }
 
+/// The words of a text, those in comments and quotes, too; some are empty.
+pub(in crate::lsp) fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+}
+
 /// Whether a name may start with a character.
 pub(in crate::lsp) fn starts_name(c: char) -> bool {
     XID_START(c) || c == '_'

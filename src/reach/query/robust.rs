@@ -130,6 +130,25 @@ pub struct ChangeRecord {
     pub at: Option<[f64; 2]>,
 }
 
+impl ChangeRecord {
+    /// Whether it can be missed.
+    pub fn needs_timing(&self) -> bool {
+        let is_limited = |side: Option<u32>, is_least: bool| side.is_some() && !is_least;
+        is_limited(self.early, self.early_is_least) || is_limited(self.late, self.late_is_least)
+    }
+
+    /// `3 early, 5 late`, in steps.
+    pub fn window(&self) -> String {
+        let side = |steps: Option<u32>, is_least: bool| match steps {
+            None => "any".to_string(),
+            Some(steps) if is_least => format!("{steps} or more"),
+            Some(steps) => steps.to_string(),
+        };
+        let (early, late) = (side(self.early, self.early_is_least), side(self.late, self.late_is_least));
+        format!("{early} early, {late} late")
+    }
+}
+
 /// How robust a path is under timing errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]

@@ -1,7 +1,9 @@
 //! How near an instance is to a mode, or to a value of a discrete variable: the number of edges that have to be taken, and
 //! what the guard of the next one lacks.
 
-use crate::ir::{DiscreteId, EdgeId, Entity, Expr, ExprId, Extremes, GroupId, Id, LeafId, ModeId, Place, SlotId};
+use crate::ir::{
+    Arithmetic, DiscreteId, EdgeId, Entity, Expr, ExprId, Extremes, GroupId, Id, LeafId, ModeId, Place, SlotId, Subject,
+};
 use crate::sim::Simulator;
 
 use super::super::problem::Problem;
@@ -44,8 +46,41 @@ impl Approach {
 
     /// To a value of a discrete variable; `None` if not only edges write it.
     pub fn to_value(problem: &Problem<'_>, slot: SlotId, variable: DiscreteId, value: f64) -> Option<Approach> {
-        let (program, entity) = (problem.sim.program(), entity(problem, slot));
-        let params = &problem.sim.world().slots[slot].params;
+        let (program, params) = (problem.sim.program(), &problem.sim.world().slots[slot].params);
+        let is_value = |id: ExprId| {
+            program.constant(id, params, problem.sim.world().step).is_none_or(|constant| constant == value)
+        };
+        Approach::to_write(problem, slot, variable, &is_value)
+    }
+
+    /// To a change of a whole number upwards (true) or downwards; `None` if not only edges write it, and if none does.
+    pub fn to_change(problem: &Problem<'_>, slot: SlotId, variable: DiscreteId, upwards: bool) -> Option<Approach> {
+        let program = problem.sim.program();
+        let (params, step) = (&problem.sim.world().slots[slot].params, problem.sim.world().step);
+        let is_it = |id: ExprId| matches!(program.exprs[id], Expr::Discrete(Subject::Me, read) if read == variable);
+        let is_other_way = |id: ExprId| {
+            let by = match program.exprs[id] {
+                Expr::Arithmetic(Arithmetic::Add, a, b) if is_it(a) => program.constant(b, params, step),
+                Expr::Arithmetic(Arithmetic::Add, a, b) if is_it(b) => program.constant(a, params, step),
+                Expr::Arithmetic(Arithmetic::Subtract, a, b) if is_it(a) => {
+                    program.constant(b, params, step).map(|by| -by)
+                }
+                _ => None,
+            };
+            by.is_some_and(|by| by == 0.0 || (by > 0.0) != upwards)
+        };
+        let approach = Approach::to_write(problem, slot, variable, &|value| !is_other_way(value))?;
+        (!approach.ways.is_empty()).then_some(approach)
+    }
+
+    /// To an update of a discrete variable that counts; `None` if not only edges write it.
+    fn to_write(
+        problem: &Problem<'_>,
+        slot: SlotId,
+        variable: DiscreteId,
+        counts: &dyn Fn(ExprId) -> bool,
+    ) -> Option<Approach> {
+        let entity = entity(problem, slot);
         let written = |updates: &[crate::ir::Update]| -> Vec<ExprId> {
             let updates = updates.iter().filter(|update| matches!(update.place, Place::Discrete(id) if id == variable));
             updates.map(|update| update.value).collect()
@@ -56,14 +91,31 @@ impl Approach {
         if count(&mut entity.action_lists()) > count(&mut entity.edges.iter().map(|edge| &edge.actions)) {
             return None;
         }
-        let writes = |edge: EdgeId| {
-            written(&entity.edges[edge].actions.updates).into_iter().any(|id| {
-                program.constant(id, params, problem.sim.world().step).is_none_or(|constant| constant == value)
-            })
-        };
+        let writes = |edge: EdgeId| written(&entity.edges[edge].actions.updates).into_iter().any(counts);
         let groups = entity.groups.ids();
         let ways: Vec<Way> = groups.map(|group| Way::new(problem, slot, group, &writes)).collect();
         Some(Approach { slot, ways: ways.into_iter().filter(Way::leads).collect() })
+    }
+
+    /// By how much less a state of a living instance counts, the nearer it is to the next edge; less than [`GUARD`].
+    pub fn bonus(&self, sim: &Simulator, state: &[u8]) -> f64 {
+        self.left(sim, state).map_or(0.0, |(_, cost)| GUARD / (1.0 + cost))
+    }
+
+    /// The nearest next edge in a state of a living instance, with the parts of its guard.
+    pub fn nearest(&self, sim: &Simulator, state: &[u8]) -> Option<(EdgeId, &[Term])> {
+        let mut least: Option<((u32, f64), EdgeId, &[Term])> = None;
+        for way in &self.ways {
+            let leaf = sim.world().layout.slots[self.slot].leaf(state, way.group).index();
+            let left = way.left.get(leaf).copied().unwrap_or(u32::MAX);
+            for (edge, parts) in way.next.get(leaf).map_or(&[][..], Vec::as_slice) {
+                let lack: f64 = parts.iter().map(|part| part.cost(sim, state, f64::INFINITY)).sum();
+                if least.as_ref().is_none_or(|(known, ..)| (left, lack) < *known) {
+                    least = Some(((left, lack), *edge, parts));
+                }
+            }
+        }
+        least.map(|(_, edge, parts)| (edge, parts))
     }
 
     /// The number of edges to take in a state of a living instance, and what they count as; `None` if none lead there.

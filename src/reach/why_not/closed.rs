@@ -67,7 +67,7 @@ pub(super) fn closed_rooms(
 pub(super) fn closed_modes(
     problem: &Problem<'_>,
     sources: &SourceMap,
-    (parts, seen): (&Parts, &Seen),
+    (parts, seen, bar): (&Parts, &Seen, Option<SlotId>),
     (script, state): (&Script, &[u8]),
 ) -> Vec<ClosedMode> {
     let mut closed: Vec<ClosedMode> = Vec::new();
@@ -88,6 +88,22 @@ pub(super) fn closed_modes(
         for mode in targets {
             let to: Vec<EdgeId> =
                 edges.iter().copied().filter(|edge| entity.edges[*edge].target == Some(mode)).collect();
+            let found = asker.closed_mode((slot, mode, &to), true).filter(|found| !found.missing.is_empty());
+            closed.extend(found.filter(|found| !closed.contains(found)));
+        }
+    }
+    // What is in the way may leave it in another mode.
+    if let Some(slot) = bar {
+        let instance = problem.sim.instance(state, slot);
+        let entity = instance.entity();
+        let leaves = entity.groups.ids().map(|group| &entity.leaves[instance.leaf(group)]);
+        let edges: Vec<EdgeId> = leaves.flat_map(|leaf| leaf.edges.iter().copied()).collect();
+        let mut targets: Vec<ModeId> = edges.iter().filter_map(|edge| entity.edges[*edge].target).collect();
+        targets.sort_unstable();
+        targets.dedup();
+        for mode in targets {
+            let leads = |edge: &EdgeId| entity.edges[*edge].target == Some(mode);
+            let to: Vec<EdgeId> = edges.iter().copied().filter(leads).collect();
             let found = asker.closed_mode((slot, mode, &to), true).filter(|found| !found.missing.is_empty());
             closed.extend(found.filter(|found| !closed.contains(found)));
         }

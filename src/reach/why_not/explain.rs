@@ -8,9 +8,10 @@ use crate::watch::Meter;
 
 use super::super::luck::only_read;
 use super::super::problem::{Problem, StateStatus};
+use super::bar::bar;
 use super::closed::{closed_modes, closed_rooms};
 use super::lack::{Parts, Term};
-use super::record::{NearState, PartNearest, Point, WhyNot};
+use super::record::{Barrier, NearState, PartNearest, Point, WhyNot};
 use super::tracker::{Near, Nearest};
 use super::way::way_end;
 use super::words::Describer;
@@ -51,18 +52,22 @@ pub(in super::super) fn explain(
         return None;
     }
     let seen = &nearest.seen;
+    let bar = whole.as_ref().and_then(|whole| bar(problem, &whole.state));
+    let way = way_end(problem, seen).filter(|way| way.barrier != Barrier::Unknown || bar.is_none());
+    let way = way.or_else(|| Some(bar.as_ref()?.way_end(problem, &point(problem, whole.as_ref()?))));
     Some(WhyNot {
         nodes: nearest.sample().unwrap_or(nodes),
         is_sample: nearest.sample().is_some(),
         nearest: whole.as_ref().map(describe),
         parts: each,
-        way: way_end(problem, seen),
+        way,
         highest_jump: seen.highest.size,
         longest_jump: seen.longest.size,
         rooms: closed_rooms(problem, &describer, seen, whole.as_ref().map(|whole| &*whole.state)),
-        modes: whole
-            .as_ref()
-            .map_or(Vec::new(), |whole| closed_modes(problem, sources, (&parts, seen), (&whole.script, &whole.state))),
+        modes: whole.as_ref().map_or(Vec::new(), |whole| {
+            let slot = bar.as_ref().map(|bar| bar.slot);
+            closed_modes(problem, sources, (&parts, seen, slot), (&whole.script, &whole.state))
+        }),
     })
 }
 

@@ -61,6 +61,8 @@ pub(super) enum Gauge {
     Var(SlotId, VarId, u8, CompareOp, f64),
     /// Two numbers, and by how much one has to be beyond the other: 1 if both are whole.
     Numbers(CompareOp, ExprId, ExprId, f64),
+    /// The same of a whole number that edges change, and the number of edges to a change in its direction.
+    Count(CompareOp, ExprId, ExprId, f64, Approach),
     /// A position against a circle: inside of it (true) or outside.
     Circle(SlotId, [ExprId; 3]),
     /// The gap between two bodies.
@@ -208,6 +210,12 @@ impl Atom {
                 let b = number(*b)?;
                 Ok(Lack::by(compare(*op, a, b), (a - b).abs() + beyond, self.unit))
             }),
+            Gauge::Count(op, a, b, beyond, approach) => number(*a).and_then(|a| {
+                let b = number(*b)?;
+                let lack = Lack::by(compare(*op, a, b), (a - b).abs() + beyond, self.unit);
+                let bonus = if lack.holds { 0.0 } else { approach.bonus(sim, state) };
+                Ok(Lack { cost: lack.cost - bonus, ..lack })
+            }),
             Gauge::Circle(slot, [x, y, radius]) => number(*x).and_then(|x| {
                 let (y, radius) = (number(*y)?, number(*radius)?);
                 let away = sim.distance(state, *slot, (x, y));
@@ -321,7 +329,11 @@ impl Builder<'_> {
                     _ => {
                         let is_strict = matches!(op, CompareOp::Less | CompareOp::Greater);
                         let is_whole = is_strict && self.is_whole(a) && self.is_whole(b);
-                        Gauge::Numbers(op, a, b, f64::from(u8::from(is_whole)))
+                        let beyond = f64::from(u8::from(is_whole));
+                        match self.change(op, a, b).or_else(|| self.change(op.mirrored(), b, a)) {
+                            Some(approach) => Gauge::Count(op, a, b, beyond, approach),
+                            None => Gauge::Numbers(op, a, b, beyond),
+                        }
                     }
                 };
                 (gauge, unit)
@@ -362,6 +374,19 @@ impl Builder<'_> {
         let Expr::Discrete(Subject::Slot(slot), discrete) = self.program.exprs[id] else { return None };
         let approach = self.owner.is_none().then(|| Approach::to_value(self.problem, slot, discrete, value))?;
         Some((Gauge::Value(approach?), Unit::EDGES))
+    }
+
+    /// How near a whole number that has to be above or below a constant is to a change in that direction.
+    fn change(&self, op: CompareOp, id: ExprId, bound: ExprId) -> Option<Approach> {
+        let Expr::Discrete(Subject::Slot(slot), discrete) = self.program.exprs[id] else { return None };
+        let upwards = match op {
+            CompareOp::Greater | CompareOp::AtLeast => true,
+            CompareOp::Less | CompareOp::AtMost => false,
+            CompareOp::Equal | CompareOp::Unequal => return None,
+        };
+        // Of a guard, the guards are not looked at in turn.
+        (self.owner.is_none() && self.constant(bound).is_some())
+            .then(|| Approach::to_change(self.problem, slot, discrete, upwards))?
     }
 
     /// Whether it is a value with a name, or true or false: such values are not near each other.

@@ -16,11 +16,13 @@
 //! | `explain` | from what a search kept to the record |
 //! | `astray` | where inputs lead that missed the target |
 //! | `way` | where the way in the direction of the goal ends |
+//! | `bar` | the instance that is in the way in the nearest state |
 //! | `closed` | rooms and modes that were never entered |
 //! | `words` | distances in words |
 
 mod approach;
 mod astray;
+mod bar;
 mod closed;
 mod contact;
 mod explain;

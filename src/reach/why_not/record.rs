@@ -17,7 +17,8 @@ pub struct WhyNot {
     pub nearest: Option<NearState>,
     /// For each part of the goal, the state in which it came nearest by itself; empty if there is only one part.
     pub parts: Vec<PartNearest>,
-    /// Where the way in the direction of the goal ends, of a player that falls; null if that is not known.
+    /// Where the way in the direction of the goal ends, of a player that falls or that an instance blocks; null if that is
+    /// not known.
     pub way: Option<WayEnd>,
     /// The highest rise of the first player above where it rested before, px.
     pub highest_jump: f64,
@@ -25,8 +26,8 @@ pub struct WhyNot {
     pub longest_jump: f64,
     /// Rooms that the first player never entered.
     pub rooms: Vec<ClosedRoom>,
-    /// Modes that an instance was never in: those that lead to a mode of the goal, and those of the first player to which an
-    /// edge of a mode leads that it was in.
+    /// Modes that an instance was never in: those that lead to a mode of the goal, those to which an instance could go that is
+    /// in the way, and those of the first player to which an edge of a mode leads that it was in.
     pub modes: Vec<ClosedMode>,
 }
 
@@ -146,6 +147,8 @@ pub enum Barrier {
     Gap,
     /// The goal is higher above than any jump that was seen.
     Height,
+    /// An instance that blocks the player in the nearest state.
+    Instance,
     /// Nothing that is known.
     Unknown,
 }
@@ -170,7 +173,7 @@ pub struct ClosedRoom {
 pub struct ClosedMode {
     /// The instance.
     pub instance: String,
-    /// Whether it leads to a mode that the goal asks for, or is one.
+    /// Whether it leads to a mode that the goal asks for, or is one, or is one of an instance in the way.
     pub is_asked: bool,
     /// Its path.
     pub mode: String,

@@ -1,9 +1,11 @@
 //! The parts of a goal in a state, in words.
 
-use crate::ir::{Expr, ExprId, Subject};
+use crate::ir::{Expr, ExprId, SlotId, Subject};
 use crate::sim::Simulator;
 use crate::source::{SourceMap, code_on_one_line};
+use crate::why::place;
 
+use super::approach::Approach;
 use super::lack::{Atom, Gauge, Term};
 use super::record::PartState;
 use super::unit::Unit;
@@ -104,17 +106,17 @@ impl Describer<'_> {
                 let steps = (distance / self.sim.world().step.seconds()).round();
                 format!("{} ({steps} step{})", misses(distance), if steps == 1.0 { "" } else { "s" })
             }
+            (Gauge::Count(.., approach), Some(distance)) => {
+                let misses = if distance == 0.0 { "is at the limit".to_string() } else { misses(distance) };
+                format!("{misses}{}", self.next_edge(approach, state))
+            }
             (Gauge::Contact(_), Some(0.0)) => "is there, but does not touch it like that".to_string(),
             (Gauge::Circle(..), Some(distance)) if !atom.wanted => {
                 format!("is {} too near", distance_words(distance, &atom.unit.name()))
             }
             (Gauge::Room(slot, _), distance) => {
-                let room = &self.sim.world().spaces[self.sim.space(state, *slot)].name;
-                match distance {
-                    None => format!("is in `{room}`"),
-                    Some(1.0) => format!("is in `{room}`, a room away"),
-                    Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
-                }
+                let is_in = self.is_in_room(*slot, state);
+                distance.map_or(format!("does not hold: {is_in}"), |rooms| format!("{}: {is_in}", rooms_away(rooms)))
             }
             (Gauge::Mode(asked, approach), edges) => {
                 let instance = self.sim.instance(state, approach.slot);
@@ -128,11 +130,9 @@ impl Describer<'_> {
                 }
             }
             (Gauge::Contact(contact), None) if !contact.is_in_room(self.sim, state) => {
-                let space = self.sim.space(state, contact.slot());
-                let room = &self.sim.world().spaces[space].name;
-                match contact.rooms_away(space) {
-                    Some(1) => format!("is in `{room}`, a room away"),
-                    Some(rooms) => format!("is in `{room}`, {rooms} rooms away"),
+                let slot = contact.slot();
+                match contact.rooms_away(self.sim.space(state, slot)) {
+                    Some(rooms) => format!("{}: {}", rooms_away(rooms.into()), self.is_in_room(slot, state)),
                     None => "has nothing to touch".to_string(),
                 }
             }
@@ -144,6 +144,29 @@ impl Describer<'_> {
             (_, None) => "does not hold".to_string(),
         };
         PartState { text, holds: false, distance, unit: atom.unit.name(), words }
+    }
+
+    /// The edge that has to be taken next, and what its guard lacks: `` (edge at hero.hyped:35: `touching(body, key)` misses
+    /// by 12 px)``; empty if there is none.
+    fn next_edge(&self, approach: &Approach, state: &[u8]) -> String {
+        let Some((edge, guard)) = approach.nearest(self.sim, state) else { return String::new() };
+        let entity = self.sim.world().slots[approach.slot].entity;
+        let span = self.sim.program().spans.entities[entity].edges[edge];
+        if !self.sources.holds(span) {
+            return String::new();
+        }
+        let missing: Vec<String> = { guard.iter().map(|term| self.term(term, state)) }
+            .filter(|part| !part.holds)
+            .map(|part| part.phrase())
+            .collect();
+        let missing = if missing.is_empty() { missing.concat() } else { format!(": {}", missing.join(" and ")) };
+        format!(" (edge at {}{missing})", place(self.sources, span))
+    }
+
+    /// `hero` is in `hall`
+    fn is_in_room(&self, slot: SlotId, state: &[u8]) -> String {
+        let world = self.sim.world();
+        format!("`{}` is in `{}`", world.slots[slot].name, world.spaces[self.sim.space(state, slot)].name)
     }
 
     /// What a named value is, where it is compared.
@@ -161,6 +184,10 @@ impl Describer<'_> {
         let discrete_of = &instance.entity().discretes[discrete];
         Some(format!("is `{}`", discrete_of.domain.text(instance.discrete(discrete))))
     }
+}
+
+fn rooms_away(rooms: f64) -> String {
+    if rooms == 1.0 { "misses by a room".to_string() } else { format!("misses by {rooms} rooms") }
 }
 
 /// A part that holds.

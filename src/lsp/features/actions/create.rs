@@ -7,6 +7,7 @@ use std::path::{Component, Path};
 use crate::diagnostic::suggestion::BlockKind;
 use crate::diagnostic::{Code, Diagnostic, similar};
 use crate::lsp::snapshot::Snapshot;
+use crate::lsp::text::lexer::words;
 use crate::lsp::view::View;
 use crate::syntax::Rule;
 use crate::syntax::occurrence::{NameKind, Role};
@@ -229,8 +230,7 @@ impl Creation<'_> {
         draft.edit(self.path, at, new);
         let asked = self.blocks.code.get(world.bytes.clone()).unwrap_or_default();
         let collides = asked.lines().map(str::trim).filter(|line| line.starts_with("collide "));
-        let is_word =
-            |line: &str, word: &str| line.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|w| w == word);
+        let is_word = |line: &str, word: &str| words(line).any(|w| w == word);
         let mut title = format!("add `{rect}`");
         if !collides.into_iter().any(|line| is_word(line, tag) && is_word(line, &own)) {
             let line = format!("collide {own} with {tag}: block");

@@ -10,7 +10,6 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::format::format;
 use crate::ir;
 use crate::source::FileId;
-use crate::syntax;
 
 use crate::lsp::documents::{Document, OpenDocuments};
 use crate::lsp::features::formatting::edits;
@@ -92,8 +91,8 @@ impl Drafted {
     /// Whether the program after the edits is as it has to be.
     pub fn holds(&self, view: &View, snapshot: &Snapshot, keeps: Keeps<'_>) -> bool {
         let parses = |(_, (old, new)): (&PathBuf, &(Arc<Text>, String))| {
-            let errors = |code: &str| syntax::parse(FileId(0), code).1.counts().0;
-            errors(new) <= errors(old.code())
+            let errors = |text: &Text| text.parsed().diagnostics.counts().0;
+            errors(&old.replaced(new.as_str())) <= errors(old)
         };
         if !self.texts.iter().all(parses) {
             return false;

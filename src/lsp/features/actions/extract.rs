@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::diagnostic::suggestion::BlockKind;
+use crate::lsp::text::lexer::words;
 use crate::syntax::Rule;
 
 use super::blocks::Blocks;
@@ -37,7 +38,7 @@ fn trimmed(code: &str, bytes: &Range<usize>) -> Option<Range<usize>> {
 
 /// A name that no word of a text has.
 pub(super) fn unused(code: &str, name: &str) -> String {
-    let is_used = |name: &str| code.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|word| word == name);
+    let is_used = |name: &str| words(code).any(|word| word == name);
     let numbered = (2..).map(|number| format!("{name}{number}"));
     std::iter::once(name.to_string()).chain(numbered).find(|name| !is_used(name)).unwrap_or_default()
 }

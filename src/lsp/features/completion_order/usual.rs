@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::UNDECLARED;
 use crate::lsp::features::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
 use crate::lsp::text::cursor::{Block, CursorContext};
-use crate::lsp::text::lexer::{Kind, tokens};
+use crate::lsp::text::lexer::{Kind, tokens, words};
 use crate::lsp::text::words::usual_order;
 
 /// The position of an item: lower is better. First a class, then a place in it.
@@ -232,5 +232,5 @@ impl<'a> UsualOrder<'a> {
 
 /// Whether a text has a word.
 fn is_word_of(text: &str, word: &str) -> bool {
-    text.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|other| other == word)
+    words(text).any(|other| other == word)
 }

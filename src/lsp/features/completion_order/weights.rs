@@ -1,5 +1,5 @@
 //! The weights of the evidence for completion items, from `weights.txt`: each line has a weight and the name of a
-//! feature. They were fitted by `cargo test --lib fits_the_weights -- --ignored`, which writes that file.
+//! feature. They were fitted by `cargo test --test language fits_the_weights -- --ignored`, which writes that file.
 
 /// The lines of the file.
 const TEXT: &str = include_str!("weights.txt");

@@ -78,12 +78,10 @@ fn entries(context: &PictureContext<'_>) -> Vec<(Sign, String)> {
         if routes.iter().any(|route| route.track.stops.iter().any(|stop| stop.changes)) {
             entries.push((Sign::Dot("dot", 2.5), "inputs change".into()));
         }
-        let moments = &context.picture.run.moments;
-        if moments.iter().any(|moment| !moment.is_hardest) {
-            entries.push((Sign::Dot("moment", moment::RADIUS), "needs timing: steps too early, too late".into()));
-        }
-        if moments.iter().any(|moment| moment.is_hardest) {
-            entries.push((Sign::Dot("moment hardest", moment::RADIUS), "the hardest moment".into()));
+        for (is_hardest, words) in [(false, "needs timing: steps too early, too late"), (true, "the hardest moment")] {
+            if context.picture.run.moments.iter().any(|moment| moment.is_hardest == is_hardest) {
+                entries.push((Sign::Dot(moment::class(is_hardest), moment::RADIUS), words.into()));
+            }
         }
         entries.push((Sign::Ghost("ghost"), "player on its way".into()));
         if routes.iter().any(|route| route.segments.len() > 1) {

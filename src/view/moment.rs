@@ -14,6 +14,11 @@ pub(super) const STYLE: &str =
 /// The radius of a ring.
 pub(super) const RADIUS: f64 = 6.0;
 
+/// The class of a ring.
+pub(super) fn class(is_hardest: bool) -> &'static str {
+    if is_hardest { "moment hardest" } else { "moment" }
+}
+
 /// Draws the moments that are in a panel; the hardest one gets the best place for its words.
 pub(super) fn draw(
     out: &mut String,
@@ -26,7 +31,7 @@ pub(super) fn draw(
     let mut here: Vec<(&Moment, [f64; 2])> = here.collect();
     here.sort_by_key(|(moment, _)| !moment.is_hardest);
     for (moment, [x, y]) in &here {
-        let class = if moment.is_hardest { "moment hardest" } else { "moment" };
+        let class = class(moment.is_hardest);
         put!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{RADIUS}\"/>\n", Number(*x), Number(*y));
         labels.keep_free(Rect::around([*x, *y], RADIUS));
     }

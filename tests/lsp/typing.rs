@@ -153,7 +153,7 @@ fn typing_new_entities() {
     let percent = |part: usize, of: usize| part * 100 / of;
     let (first, among_three) = (percent(all.first, all.positions), percent(all.among_three, all.positions));
     let [letters, first_after, among_three_after] = all.after_a_letter;
-    println!("all: first {first} %, in three {among_three} %; after a letter {:?} of {letters}", all.after_a_letter);
+    println!("all: first {first} %, in three {among_three} %; after a letter {:?}", all.after_a_letter);
     let after = (percent(first_after, letters), percent(among_three_after, letters));
     assert!(first >= 77 && among_three >= 92, "first {first} %, in three {among_three} %: {:#?}", all.misses);
     assert!(after.0 >= 90 && after.1 >= 97, "after a letter, in percent: {after:?}");

@@ -106,10 +106,10 @@ impl Approach {
     pub fn nearest(&self, sim: &Simulator, state: &[u8]) -> Option<(EdgeId, &[Term])> {
         let mut least: Option<((u32, f64), EdgeId, &[Term])> = None;
         for way in &self.ways {
-            let leaf = sim.world().layout.slots[self.slot].leaf(state, way.group).index();
+            let leaf = self.leaf(way, sim, state);
             let left = way.left.get(leaf).copied().unwrap_or(u32::MAX);
             for (edge, parts) in way.next.get(leaf).map_or(&[][..], Vec::as_slice) {
-                let lack: f64 = parts.iter().map(|part| part.cost(sim, state, f64::INFINITY)).sum();
+                let lack = lack(parts, sim, state);
                 if least.as_ref().is_none_or(|(known, ..)| (left, lack) < *known) {
                     least = Some(((left, lack), *edge, parts));
                 }
@@ -121,12 +121,10 @@ impl Approach {
     /// The number of edges to take in a state of a living instance, and what they count as; `None` if none lead there.
     pub fn left(&self, sim: &Simulator, state: &[u8]) -> Option<(u32, f64)> {
         let of = |way: &Way| {
-            let leaf = sim.world().layout.slots[self.slot].leaf(state, way.group).index();
+            let leaf = self.leaf(way, sim, state);
             let left = way.left.get(leaf).copied().filter(|left| *left < u32::MAX)?;
-            let cost = |(_, parts): &(EdgeId, Vec<Term>)| -> f64 {
-                parts.iter().map(|part| part.cost(sim, state, f64::INFINITY)).sum()
-            };
-            let least = way.next.get(leaf)?.iter().map(cost).fold(f64::INFINITY, f64::least);
+            let lacks = way.next.get(leaf)?.iter().map(|(_, parts)| lack(parts, sim, state));
+            let least = lacks.fold(f64::INFINITY, f64::least);
             let share = if least.is_finite() { least / (1.0 + least) } else { 1.0 };
             Some((left, f64::from(left) - GUARD * (1.0 - share)))
         };
@@ -136,11 +134,21 @@ impl Approach {
     /// The next edges in a state of a living instance.
     pub fn next(&self, sim: &Simulator, state: &[u8]) -> Vec<EdgeId> {
         let of = |way: &Way| {
-            let leaf = sim.world().layout.slots[self.slot].leaf(state, way.group).index();
+            let leaf = self.leaf(way, sim, state);
             way.next.get(leaf).map_or(Vec::new(), |next| next.iter().map(|(edge, _)| *edge).collect())
         };
         self.ways.iter().flat_map(of).collect()
     }
+
+    /// The index of the active leaf of a way's group.
+    fn leaf(&self, way: &Way, sim: &Simulator, state: &[u8]) -> usize {
+        sim.world().layout.slots[self.slot].leaf(state, way.group).index()
+    }
+}
+
+/// What the parts of a guard lack together.
+fn lack(parts: &[Term], sim: &Simulator, state: &[u8]) -> f64 {
+    parts.iter().map(|part| part.cost(sim, state, f64::INFINITY)).sum()
 }
 
 impl Way {

@@ -43,9 +43,8 @@ pub(super) fn bar(problem: &Problem<'_>, state: &[u8]) -> Option<Bar> {
             let own: Vec<Bounds> = own.map(|(_, body)| body.placed(at)).collect();
             let side = sides.iter().find(|side| own.iter().any(|own| is_at(own, &there, Some(**side))));
             if let Some(side) = side {
-                let entity = other.entity();
-                let paths = entity.groups.ids().map(|group| entity.leaves[other.leaf(group)].mode);
-                let modes: Vec<String> = paths.map(|mode| format!("`{}`", entity.modes[mode].path)).collect();
+                let modes = other.modes().map(|mode| format!("`{}`", other.entity().modes[mode].path));
+                let modes: Vec<String> = modes.collect();
                 return Some(Bar { slot: other.slot(), side: *side, modes: modes.join(", ") });
             }
         }

@@ -59,10 +59,9 @@ pub(super) struct Atom {
 pub(super) enum Gauge {
     /// A variable against a number.
     Var(SlotId, VarId, u8, CompareOp, f64),
-    /// Two numbers, and by how much one has to be beyond the other: 1 if both are whole.
-    Numbers(CompareOp, ExprId, ExprId, f64),
-    /// The same of a whole number that edges change, and the number of edges to a change in its direction.
-    Count(CompareOp, ExprId, ExprId, f64, Approach),
+    /// Two numbers, by how much one has to be beyond the other (1 if both are whole), and the way to the edges that change
+    /// the first in its direction, if only edges do.
+    Numbers(CompareOp, ExprId, ExprId, f64, Option<Approach>),
     /// A position against a circle: inside of it (true) or outside.
     Circle(SlotId, [ExprId; 3]),
     /// The gap between two bodies.
@@ -206,14 +205,10 @@ impl Atom {
                 let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
                 Ok(Lack::by(compare(*op, value, *bound), (value - bound).abs(), self.unit))
             }
-            Gauge::Numbers(op, a, b, beyond) => number(*a).and_then(|a| {
-                let b = number(*b)?;
-                Ok(Lack::by(compare(*op, a, b), (a - b).abs() + beyond, self.unit))
-            }),
-            Gauge::Count(op, a, b, beyond, approach) => number(*a).and_then(|a| {
+            Gauge::Numbers(op, a, b, beyond, approach) => number(*a).and_then(|a| {
                 let b = number(*b)?;
                 let lack = Lack::by(compare(*op, a, b), (a - b).abs() + beyond, self.unit);
-                let bonus = if lack.holds { 0.0 } else { approach.bonus(sim, state) };
+                let bonus = approach.as_ref().filter(|_| !lack.holds).map_or(0.0, |way| way.bonus(sim, state));
                 Ok(Lack { cost: lack.cost - bonus, ..lack })
             }),
             Gauge::Circle(slot, [x, y, radius]) => number(*x).and_then(|x| {
@@ -329,11 +324,8 @@ impl Builder<'_> {
                     _ => {
                         let is_strict = matches!(op, CompareOp::Less | CompareOp::Greater);
                         let is_whole = is_strict && self.is_whole(a) && self.is_whole(b);
-                        let beyond = f64::from(u8::from(is_whole));
-                        match self.change(op, a, b).or_else(|| self.change(op.mirrored(), b, a)) {
-                            Some(approach) => Gauge::Count(op, a, b, beyond, approach),
-                            None => Gauge::Numbers(op, a, b, beyond),
-                        }
+                        let approach = self.change(op, a, b).or_else(|| self.change(op.mirrored(), b, a));
+                        Gauge::Numbers(op, a, b, f64::from(u8::from(is_whole)), approach)
                     }
                 };
                 (gauge, unit)

@@ -101,14 +101,14 @@ impl Describer<'_> {
         let distance = lack.distance.filter(|distance| distance.is_finite());
         let misses = |distance: f64| format!("misses by {}", distance_words(distance, &atom.unit.name()));
         let words = match (&atom.gauge, distance) {
+            (Gauge::Numbers(.., Some(approach)), Some(distance)) => {
+                let misses = if distance == 0.0 { "is at the limit".to_string() } else { misses(distance) };
+                format!("{misses}{}", self.next_edge(approach, state))
+            }
             (Gauge::Var(..) | Gauge::Numbers(..), Some(0.0)) => "is at the limit and has to be beyond it".to_string(),
             (Gauge::Var(..) | Gauge::Numbers(..), Some(distance)) if atom.unit.is_time() => {
                 let steps = (distance / self.sim.world().step.seconds()).round();
                 format!("{} ({steps} step{})", misses(distance), if steps == 1.0 { "" } else { "s" })
-            }
-            (Gauge::Count(.., approach), Some(distance)) => {
-                let misses = if distance == 0.0 { "is at the limit".to_string() } else { misses(distance) };
-                format!("{misses}{}", self.next_edge(approach, state))
             }
             (Gauge::Contact(_), Some(0.0)) => "is there, but does not touch it like that".to_string(),
             (Gauge::Circle(..), Some(distance)) if !atom.wanted => {
@@ -155,11 +155,9 @@ impl Describer<'_> {
         if !self.sources.holds(span) {
             return String::new();
         }
-        let missing: Vec<String> = { guard.iter().map(|term| self.term(term, state)) }
-            .filter(|part| !part.holds)
-            .map(|part| part.phrase())
-            .collect();
-        let missing = if missing.is_empty() { missing.concat() } else { format!(": {}", missing.join(" and ")) };
+        let parts = guard.iter().map(|term| self.term(term, state));
+        let missing: Vec<String> = parts.filter(|part| !part.holds).map(|part| part.phrase()).collect();
+        let missing = if missing.is_empty() { String::new() } else { format!(": {}", missing.join(" and ")) };
         format!(" (edge at {}{missing})", place(self.sources, span))
     }
 

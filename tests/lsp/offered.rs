@@ -53,6 +53,13 @@ world W {
 
 /// The items where a part of the text is replaced by another, in which `|` is the cursor.
 fn items(capabilities: &Value, old: &str, new: &str) -> Vec<Value> {
+    let mut items = answer(capabilities, old, new, json!({ "triggerKind": 1 })).as_array().unwrap().clone();
+    items.sort_by_key(|item| item["sortText"].as_str().unwrap().to_string());
+    items
+}
+
+/// The answer to a request for them, with why they are asked for.
+fn answer(capabilities: &Value, old: &str, new: &str, why: Value) -> Value {
     assert!(RUNNER.contains(old), "{old}");
     let mut client = Client::start(&[], capabilities.clone());
     client.open(&uri("a.hyped"), RUNNER);
@@ -61,11 +68,11 @@ fn items(capabilities: &Value, old: &str, new: &str) -> Vec<Value> {
     let byte = text.find('|').unwrap();
     text.remove(byte);
     client.change(&uri("a.hyped"), json!([{ "text": text }]));
-    let params = json!({ "textDocument": { "uri": uri("a.hyped") }, "position": position(&text, byte) });
-    let mut items = client.request("textDocument/completion", params).unwrap().as_array().unwrap().clone();
+    let document = json!({ "uri": uri("a.hyped") });
+    let params = json!({ "textDocument": document, "position": position(&text, byte), "context": why });
+    let answer = client.request("textDocument/completion", params).unwrap();
     assert!(client.stop());
-    items.sort_by_key(|item| item["sortText"].as_str().unwrap().to_string());
-    items
+    answer
 }
 
 fn with_snippets() -> Value {
@@ -183,4 +190,20 @@ fn modes_that_are_only_asked_for_are_offered_to_be_declared() {
     let found =
         labels("    group mood {", "    group mood {\n        mode wild { when in lost_mode -> calm }\n        mode |");
     assert_eq!(found, ["lost_mode"], "`calm` is declared");
+}
+
+#[test]
+fn a_list_opens_by_itself_where_its_first_items_are_likely() {
+    let typed = |old: &str, new: &str, by: &str| {
+        let answer = answer(&with_snippets(), old, new, json!({ "triggerKind": 2, "triggerCharacter": by }));
+        answer.as_array().map_or_else(|| answer.clone(), |items| json!(items.len() >= 2))
+    };
+    // After `when` nearly everything can follow: there is no list before the first letter, which asks again.
+    let nothing = json!({ "isIncomplete": true, "items": [] });
+    assert_eq!(typed("when timer > hop_time -> walking\n", "when |\n", " "), nothing);
+    assert!(labels("when timer > hop_time -> walking\n", "when |\n").len() > 10, "who asks gets it");
+    // A type, a button, a mode.
+    assert_eq!(typed("discrete is_angry: bool = false", "discrete is_angry: |", " "), json!(true));
+    assert_eq!(typed("pressed(dash)", "pressed(|)", "("), json!(true));
+    assert_eq!(typed("-> dashing", "-> |", ">"), json!(true));
 }

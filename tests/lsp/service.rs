@@ -85,7 +85,8 @@ fn words_are_completed_explained_and_found() {
     let mut service = service(&[]);
     document(&mut service, text);
     let at = units(text, "sp\n") + 2;
-    let Answer::Completion { from, to, items } = service.answer(Request::Completion { path: PATH.into(), at }) else {
+    let Answer::Completion { from, to, items, .. } = service.answer(Request::Completion { path: PATH.into(), at })
+    else {
         panic!()
     };
     assert_eq!(part(text, from, to), "sp");

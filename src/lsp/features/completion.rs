@@ -28,6 +28,8 @@ pub(in crate::lsp) struct Completions {
     pub replaces: Range<usize>,
     /// The best first.
     pub items: Vec<CompletionItem>,
+    /// Whether one of the first is likely. A list that nobody asked for is worth opening only then.
+    pub is_likely: bool,
 }
 
 /// The completion items at a position of an open document.
@@ -37,10 +39,8 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let cursor = CursorContext::at(code, at.byte);
     let items = collected(view, at, code, &cursor)?;
     let replaces = cursor.word.start..cursor.word.end.max(at.byte);
-    Some(Completions {
-        replaces,
-        items: ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor)),
-    })
+    let (items, is_likely) = ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor));
+    Some(Completions { replaces, items, is_likely })
 }
 
 /// The names of the items at a position, and the features by which they are ordered.

@@ -127,7 +127,18 @@ pub(super) fn completion(context: &Context, params: types::CompletionParams) -> 
     let at = context.offset(&params.text_document_position_params);
     let Some(document) = context.view.documents.get(&at.path) else { return Ok(None) };
     let found = completion::completion(&context.view, &at);
+    if found.as_ref().is_some_and(|found| !found.is_likely) && opens_unasked(params.context.as_ref()) {
+        // After the first letter of a word it is asked for again.
+        return Ok(Some(types::CompletionList { is_incomplete: true, ..types::CompletionList::default() }.into()));
+    }
     Ok(found.map(|found| context.to_protocol().completion(&document.text, found)))
+}
+
+/// Whether a list would open by itself between words, where one goes on writing more often than choosing. After a dot,
+/// an arrow or a quote only some names fit, and they are wanted.
+fn opens_unasked(context: Option<&types::CompletionContext>) -> bool {
+    let typed = context.and_then(|context| context.trigger_character.as_deref());
+    typed.is_some_and(|typed| matches!(typed, " " | "(" | "," | ":"))
 }
 
 pub(super) fn definition(context: &Context, params: types::DefinitionParams) -> Answer<types::DefinitionRequest> {

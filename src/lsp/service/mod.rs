@@ -216,7 +216,8 @@ fn completions(text: &Text, found: completion::Completions) -> Answer {
             completion_items::Insert::Label => None,
         },
     };
-    Answer::Completion { from, to, items: found.items.into_iter().filter(|item| !item.is_import()).map(item).collect() }
+    let items = found.items.into_iter().filter(|item| !item.is_import()).map(item).collect();
+    Answer::Completion { from, to, items, likely: found.is_likely }
 }
 
 fn symbol(code: &str, of: structure::Symbol) -> Symbol {

@@ -90,6 +90,8 @@ pub enum Answer {
         to: usize,
         /// The items, best first.
         items: Vec<Completion>,
+        /// Whether one of the first is likely. A list that nobody asked for is worth opening only then.
+        likely: bool,
     },
     /// What is known about a word.
     Hover {

@@ -124,11 +124,12 @@ function findings(documents: Documents, path: () => string): Extension {
 
 function completion(documents: Documents, service: LanguageService, path: () => string): Extension {
   const source = async (context: CompletionContext): Promise<CompletionResult | null> => {
-    const before = context.matchBefore(/[\p{L}\p{N}_]+|\.|->\s*/u);
-    if (before === null && !context.explicit) return null;
+    const between = context.matchBefore(/[\p{L}\p{N}_]+|\.|->\s*/u) === null && !context.explicit;
+    // Between words a list is opened only where one of its first items is likely.
+    if (between && context.matchBefore(/\S.*[ (,:]/u) === null) return null;
     await documents.findings(context.state.doc);
     const answer = await service.ask({ ask: "completion", path: path(), at: context.pos });
-    if (answer.answer !== "completion" || context.aborted) return null;
+    if (answer.answer !== "completion" || context.aborted || (between && !answer.likely)) return null;
     const options = answer.items.map((item): Completion => ({
       label: item.label,
       type: ICONS[item.kind] ?? "text",

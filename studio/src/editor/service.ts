@@ -13,7 +13,7 @@ export type LanguageRequest =
 
 export type LanguageAnswer =
   | { answer: "findings"; findings: LanguageFinding[] }
-  | { answer: "completion"; from: number; to: number; items: CompletionItem[] }
+  | { answer: "completion"; from: number; to: number; items: CompletionItem[]; likely: boolean }
   | { answer: "hover"; from: number; to: number; markdown: string }
   | { answer: "signatures"; signatures: Signature[]; active: number; argument: number }
   | { answer: "definition"; path: string; from: number; to: number }

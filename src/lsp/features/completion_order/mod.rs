@@ -23,20 +23,27 @@ use usual::UsualOrder;
 /// The detail of a name that is used and not declared yet.
 pub(super) const UNDECLARED: &str = "not declared yet";
 
-/// Sorts items: each gets its place as its rank.
+/// The probability from which one of the first items is likely.
+const LIKELY: f32 = 0.8;
+
+/// The number of items that are seen at a glance.
+const AT_A_GLANCE: usize = 3;
+
+/// Sorts items: each gets its place as its rank. With them, whether one of the first is likely; where nothing is known
+/// about that, it is taken to be.
 pub(super) fn ordered(
     of: &CompletionCollector<'_>,
     cursor: &CursorContext<'_>,
     own: Option<&Entity>,
     items: Vec<CompletionItem>,
-) -> Vec<CompletionItem> {
-    let mut sorted: Vec<CompletionItem> = match text_of_entity(of, cursor) {
+) -> (Vec<CompletionItem>, bool) {
+    let (mut sorted, is_likely) = match text_of_entity(of, cursor) {
         Some(text) => by_evidence(text, &Dimensions { of, cursor, own }, items),
         None => {
             let order = UsualOrder::new(of, cursor);
             let mut keyed: Vec<_> = items.into_iter().map(|item| (order.key(&item), item)).collect();
             keyed.sort();
-            keyed.into_iter().map(|(_, item)| item).collect()
+            (keyed.into_iter().map(|(_, item)| item).collect::<Vec<_>>(), true)
         }
     };
     // Of a keyword and a function with one name the better is shown.
@@ -45,11 +52,11 @@ pub(super) fn ordered(
     for (place, item) in sorted.iter_mut().enumerate() {
         item.rank = u8::try_from(place).unwrap_or(u8::MAX);
     }
-    sorted
+    (sorted, is_likely)
 }
 
-/// The items in an entity or a behaviour whose text up to the cursor is given.
-fn by_evidence(text: &str, dimensions: &Dimensions<'_>, items: Vec<CompletionItem>) -> Vec<CompletionItem> {
+/// The items in an entity or a behaviour whose text up to the cursor is given, and whether one of the first is likely.
+fn by_evidence(text: &str, dimensions: &Dimensions<'_>, items: Vec<CompletionItem>) -> (Vec<CompletionItem>, bool) {
     let evidence = Evidence::new(text, dimensions.wanted_dimension());
     let snippets: BTreeSet<String> =
         items.iter().filter(|item| item.kind == CompletionKind::Snippet).map(|item| word(item).to_string()).collect();
@@ -64,7 +71,16 @@ fn by_evidence(text: &str, dimensions: &Dimensions<'_>, items: Vec<CompletionIte
     scored.sort_by(|a, b| {
         (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)).then(a.4.rank.cmp(&b.4.rank)).then(a.3.cmp(&b.3))
     });
-    scored.into_iter().map(|(.., item)| item).collect()
+    let scores: Vec<f32> = scored.iter().filter(|of| !of.0 && !of.1).map(|of| of.2).collect();
+    (scored.into_iter().map(|(.., item)| item).collect(), among_first(&scores) >= LIKELY)
+}
+
+/// The probability that one of the first items is wanted, given the scores of all from the highest to the lowest: the
+/// weights are those of a logistic regression over the items of a list.
+fn among_first(scores: &[f32]) -> f32 {
+    let Some(most) = scores.first() else { return 0.0 };
+    let likely = |scores: &[f32]| scores.iter().map(|score| (score - most).exp()).sum::<f32>();
+    likely(&scores[..scores.len().min(AT_A_GLANCE)]) / likely(scores)
 }
 
 /// The names of items in an entity or a behaviour, and their features.

@@ -390,6 +390,10 @@ impl Searcher for Exhaustive<'_> {
         self.context.notes.statistics.nodes
     }
 
+    fn work(&self) -> u64 {
+        self.context.meter.total()
+    }
+
     fn places(&self) -> u64 {
         self.context.notes.coverage.count().places
     }

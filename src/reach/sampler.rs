@@ -187,6 +187,10 @@ impl Searcher for Sampler<'_> {
         self.context.notes.statistics.nodes
     }
 
+    fn work(&self) -> u64 {
+        self.context.meter.total()
+    }
+
     fn places(&self) -> u64 {
         self.context.notes.coverage.count().places
     }
@@ -196,7 +200,7 @@ impl Searcher for Sampler<'_> {
     }
 
     fn planner(&self) -> &'static str {
-        self.name
+        self.strategy.planner().unwrap_or(self.name)
     }
 
     fn bytes(&self) -> usize {

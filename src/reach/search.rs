@@ -19,13 +19,14 @@ use super::exhaustive::{Change, Exhaustive};
 use super::metric::{Measure, Metric};
 use super::monitor::monitored;
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
-use super::planners::{Method, Planner};
+use super::planners::{Method, Planner, blended};
 use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
 use super::search_context::{Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::start_hold::{StartStatus, finish_hold};
+use super::strategy::Strategy;
 use super::window::Windows;
 
 /// Search settings.
@@ -121,8 +122,31 @@ pub fn search(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
+    search_asking(problem, space, settings, limits, watch, None)
+}
+
+/// What is asked once in a search that has not found anything yet: whether it can end there.
+pub(super) struct Interlude<'i> {
+    /// After this number of nodes.
+    pub nodes: u64,
+    /// The question.
+    pub ends: &'i mut dyn FnMut() -> bool,
+}
+
+/// As [`search`], with an interlude.
+///
+/// # Errors
+/// A [`Fault`] if the initial state breaks a rule.
+pub(super) fn search_asking(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+    interlude: Option<Interlude<'_>>,
+) -> Result<Outcome, Fault> {
     monitored(problem, space, settings, |problem| {
-        let mut outcome = search_monitored(problem, space, settings, limits, watch)?;
+        let mut outcome = search_monitored(problem, space, settings, limits, watch, interlude)?;
         if let Some(monitor) = problem.monitor() {
             outcome.refute_by(monitor);
         }
@@ -136,6 +160,7 @@ fn search_monitored(
     settings: &Settings,
     limits: &Limits,
     watch: &dyn Watch,
+    interlude: Option<Interlude<'_>>,
 ) -> Result<Outcome, Fault> {
     let Some(all) = problem.starts(watch)? else { return Ok(Outcome::stopped(settings.planner)) };
     let is_alone = all.len() == 1;
@@ -179,7 +204,7 @@ fn search_monitored(
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     let reads_between = reads_between(problem);
-    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow())
+    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow(interlude))
 }
 
 /// Builds searchers.
@@ -198,14 +223,12 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner.method() {
             Method::Portfolio => {
-                let planners = match (self.distances, self.problem.time()) {
-                    (Some(_), None) => AUTO,
-                    (Some(_), Some(_)) => AUTO_IN_TIME,
-                    (None, _) => AUTO_WITHOUT_DISTANCES,
-                };
-                let sampling =
-                    planners.iter().map(|(share, planner)| (*share, self.single(*planner, tree, self.settings.hold)));
-                let mut arms: Vec<_> = sampling.collect();
+                let strategy = blended(self.problem, self.measures.0, self.distances);
+                let (planner, hold) = (Planner::DistanceGuided, self.settings.hold);
+                let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
+                let guided = self.sampler(planner, strategy, (tree, hold), (BLENDED_RESTART, false));
+                let share = if self.problem.time().is_some() { IN_TIME } else { BLENDED };
+                let mut arms = vec![(share, guided), (1, self.single(Planner::Rrt, tree, self.settings.hold))];
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
                     arms.push((1, Box::new(self.refinement(tree))));
@@ -257,20 +280,7 @@ impl<'a> Builder<'_, 'a> {
         match planner.method() {
             Method::Sampling { samples, strategy } => {
                 let strategy = strategy(self.problem, self.measures.0, self.distances);
-                let restart = match self.settings.restart {
-                    Restart::ByPlanner => Some(planner.restart()),
-                    Restart::After(nodes) => Some(nodes),
-                    Restart::Never => None,
-                };
-                // What is never pressed and never released takes few changes, also where no mode reads it.
-                let controls = match self.problem.restriction() {
-                    Some(_) => ControlSets::complete(),
-                    None => ControlSets::default(),
-                };
-                let controls = controls.with_draws(self.problem);
-                let context = self.context(tree, controls, hold);
-                let goal_bias = samples.then_some(self.settings.goal_bias);
-                Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
+                self.sampler(planner, strategy, (tree, hold), (planner.restart(), samples))
             }
             Method::Portfolio | Method::Exhaustive { .. } => {
                 let least = self.problem.min_hold();
@@ -279,6 +289,30 @@ impl<'a> Builder<'_, 'a> {
                 Box::new(self.exhaustive(tree, change, is_best_first))
             }
         }
+    }
+
+    /// A searcher that grows trees with a strategy.
+    fn sampler(
+        &self,
+        planner: Planner,
+        strategy: Box<dyn Strategy + Send + 'a>,
+        (tree, hold): (usize, (u16, u16)),
+        (restart, samples): (u64, bool),
+    ) -> Box<dyn Searcher + 'a> {
+        let restart = match self.settings.restart {
+            Restart::ByPlanner => Some(restart),
+            Restart::After(nodes) => Some(nodes),
+            Restart::Never => None,
+        };
+        // What is never pressed and never released takes few changes, also where no mode reads it.
+        let controls = match self.problem.restriction() {
+            Some(_) => ControlSets::complete(),
+            None => ControlSets::default(),
+        };
+        let controls = controls.with_draws(self.problem);
+        let context = self.context(tree, controls, hold);
+        let goal_bias = samples.then_some(self.settings.goal_bias);
+        Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
     }
 }
 
@@ -297,16 +331,12 @@ const MAX_HOLD: u16 = 4;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The sampling planners of `auto`, with their shares of the nodes. By measurement, the first solves most goals at a
-/// position soonest, the second most others, the third some that these do not. In addition, an exhaustive search with a
-/// share of 1 looks for proofs.
-const AUTO: [(u64, Planner); 3] = [(4, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// With a time limit, the first is the best by far.
-const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// Without a distance field, as the goal is not at a position: `distance-guided` then only favours places that were chosen less
-/// often.
-const AUTO_WITHOUT_DISTANCES: [(u64, Planner); 3] =
-    [(4, Planner::Coverage), (2, Planner::DistanceGuided), (1, Planner::Rrt)];
+/// The shares of the work in `auto` of the tree that is led by distances and by coverage, as a rule and with a time limit.
+/// RRT, which finds some things that it does not, and an exhaustive search, which looks for proofs, have a share of 1.
+const BLENDED: u64 = 8;
+const IN_TIME: u64 = 20;
+/// Number of nodes of its shortest tree before a restart.
+const BLENDED_RESTART: u64 = 100_000;
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {
@@ -325,7 +355,7 @@ struct ParallelSearch<'f, 'a> {
 impl ParallelSearch<'_, '_> {
     /// Grows all trees in rounds. In each round all grow equally, and the first tree in order with an answer wins, so
     /// the result does not depend on timing.
-    fn grow(mut self) -> Outcome {
+    fn grow(mut self, mut interlude: Option<Interlude<'_>>) -> Outcome {
         if self.watch.stop() {
             return self.outcome(Verdict::NotFound, End::Stopped, 0);
         }
@@ -335,12 +365,18 @@ impl ParallelSearch<'_, '_> {
             if left == 0 {
                 return self.unanswered(End::Nodes, 0);
             }
+            if let Some(interlude) = interlude.take_if(|interlude| interlude.nodes <= nodes)
+                && (interlude.ends)()
+            {
+                return self.unanswered(End::Stopped, 0);
+            }
             let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
             if bytes as u64 > self.limits.memory {
                 return self.unanswered(End::Memory, 0);
             }
             let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
             self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
+            let left = interlude.as_ref().map_or(left, |interlude| left.min(interlude.nodes - nodes));
             let share = (left / self.trees.len() as u64).clamp(1, ROUND);
             let endings = self.round(share);
             let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));

@@ -24,6 +24,9 @@ use super::window::Windows;
 /// Number of polls after which a final short replay is stopped: a few tenths of a second.
 const REPLAY_POLLS: u32 = 100;
 
+/// Of as many inputs, one holds anything of what only the modes ahead read, and one nothing; others go on as before.
+const HOLDS_AHEAD: u32 = 4;
+
 /// How an extension ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extension {
@@ -280,7 +283,25 @@ impl<'a> SearchContext<'a> {
         }
         let nth = self.rng.random_range(0..untried);
         let input = self.tree.take_untried(node, nth);
+        let input = self.hold_ahead(node, input);
         Some(Choice { node, input, hold: self.draw_hold() })
+    }
+
+    /// The input of a node with what only the modes ahead read: as a rule, that stays as it was.
+    fn hold_ahead(&mut self, node: NodeId, input: usize) -> usize {
+        let set = self.tree.set(node);
+        let combinations = self.controls.combinations_ahead(set);
+        if combinations == 1 {
+            return input;
+        }
+        let combination = match self.rng.random_range(0..HOLDS_AHEAD) {
+            0 => self.rng.random_range(0..combinations),
+            1 => 0,
+            _ => self.tree.before(node).map_or(0, |before| {
+                self.controls.combination_of(set, self.controls.input(self.tree.set(before.node), before.input))
+            }),
+        };
+        self.controls.holding_ahead(set, input, combination)
     }
 
     /// The number of inputs of a node, tried or not.

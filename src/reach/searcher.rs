@@ -31,6 +31,9 @@ pub(super) trait Searcher: Send {
     /// Number of nodes so far.
     fn nodes(&self) -> u64;
 
+    /// Its work so far, in units of a [`Meter`](crate::watch::Meter): what it cost, the same on every machine.
+    fn work(&self) -> u64;
+
     /// Maximum number of places covered by one of its trees so far.
     fn places(&self) -> u64;
 

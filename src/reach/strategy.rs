@@ -42,6 +42,11 @@ pub trait Strategy {
     /// Learns the result of a choice; `choice` is `None` for a root.
     fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
+    /// The name of the planner that made the last choice, if there are several.
+    fn planner(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Memory use, bytes.
     fn bytes(&self) -> usize;
 }

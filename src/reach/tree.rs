@@ -174,15 +174,15 @@ impl Tree {
         is_new
     }
 
+    /// The choice that led to a node; none to a root.
+    pub fn before(&self, node: NodeId) -> Option<Choice> {
+        let n = &self.nodes[node.index()];
+        self.parent(node).map(|parent| Choice { node: parent, input: usize::from(n.input), hold: n.hold })
+    }
+
     /// The choices from its root to a node.
     pub fn choices(&self, node: NodeId) -> Vec<Choice> {
-        let mut choices = Vec::new();
-        let mut at = node;
-        while let Some(parent) = self.parent(at) {
-            let n = &self.nodes[at.index()];
-            choices.push(Choice { node: parent, input: usize::from(n.input), hold: n.hold });
-            at = parent;
-        }
+        let mut choices: Vec<Choice> = std::iter::successors(self.before(node), |c| self.before(c.node)).collect();
         choices.reverse();
         choices
     }

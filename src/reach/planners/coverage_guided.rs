@@ -76,6 +76,11 @@ impl CoverageGuided {
         }
     }
 
+    /// Forgets a node without untried inputs.
+    pub fn close(&mut self, node: NodeId) {
+        self.cells.remove(node);
+    }
+
     /// Counts the changes of an extension.
     fn compare(&mut self, context: &SearchContext<'_>, from: NodeId, point: &Point) {
         context.point(from, &mut self.before);

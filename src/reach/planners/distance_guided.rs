@@ -70,6 +70,8 @@ pub struct DistanceGuided<'m> {
     /// With a time limit: minimum number of steps to each innermost cell.
     soonest: HashMap<u64, u32>,
     queue: BinaryHeap<Queued>,
+    /// The least distance of a place of this tree.
+    nearest: u32,
 }
 
 impl<'m> DistanceGuided<'m> {
@@ -96,7 +98,18 @@ impl<'m> DistanceGuided<'m> {
             estimates: Vec::new(),
             soonest: HashMap::default(),
             queue: BinaryHeap::new(),
+            nearest: u32::MAX,
         }
+    }
+
+    /// The least distance of a place of this tree.
+    pub fn nearest(&self) -> u32 {
+        self.nearest
+    }
+
+    /// Forgets a node without untried inputs.
+    pub fn close(&mut self, node: NodeId) {
+        self.cells.remove(node);
     }
 
     /// The keys of a node's place and of its inner cell: velocities and modes.
@@ -141,6 +154,7 @@ impl<'m> DistanceGuided<'m> {
                 let ((x, y), space) = (sim.position(state, distances.player), sim.space(state, distances.player));
                 Estimate { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
             });
+            self.nearest = self.nearest.min(estimates.places);
             self.estimates.resize(place as usize + 1, estimates);
         }
         let soonest = &mut self.estimates[place as usize].soonest;
@@ -211,6 +225,7 @@ impl Strategy for DistanceGuided<'_> {
                 self.estimates.clear();
                 self.soonest.clear();
                 self.queue.clear();
+                self.nearest = u32::MAX;
                 self.add(context, root, point);
             }
             Growth::Added(node, point) => self.add(context, node, point),

@@ -5,6 +5,7 @@
 //! To add a planner, add a file with its strategy, a variant of [`Planner`] and an entry of `SPECS`.
 
 mod adaptive;
+mod blended;
 mod cells;
 mod coverage_guided;
 mod distance_guided;
@@ -64,6 +65,15 @@ pub(super) enum Method {
     Sampling { samples: bool, strategy: BuildStrategy },
     /// Visits each state once, breadth first or best first.
     Exhaustive { is_best_first: bool },
+}
+
+/// The strategy of `auto`, which is led by distances and by coverage.
+pub(super) fn blended<'m>(
+    problem: &Problem<'_>,
+    metric: &'m Metric,
+    distances: Option<&'m DistanceField>,
+) -> Box<dyn Strategy + Send + 'm> {
+    Box::new(blended::Blended::new(problem, metric, distances))
 }
 
 /// Builds a strategy for a problem, a metric and the distance field, if the planner uses one.

@@ -226,9 +226,12 @@ impl<'a> Builder<'_, 'a> {
                 let strategy = blended(self.problem, self.measures.0, self.distances);
                 let (planner, hold) = (Planner::DistanceGuided, self.settings.hold);
                 let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
-                let guided = self.sampler(planner, strategy, (tree, hold), (BLENDED_RESTART, false));
-                let share = if self.problem.time().is_some() { IN_TIME } else { BLENDED };
-                let mut arms = vec![(share, guided), (1, self.single(Planner::Rrt, tree, self.settings.hold))];
+                let guided = self.sampler(planner, strategy, (tree, hold), (planner.restart(), false));
+                let [blended, coverage] = if self.problem.time().is_some() { IN_TIME } else { AUTO };
+                let mut arms = vec![(blended, guided)];
+                for (share, planner) in [(coverage, Planner::Coverage), (1, Planner::Rrt)] {
+                    arms.push((share, self.single(planner, tree, self.settings.hold)));
+                }
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
                     arms.push((1, Box::new(self.refinement(tree))));
@@ -331,12 +334,11 @@ const MAX_HOLD: u16 = 4;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The shares of the work in `auto` of the tree that is led by distances and by coverage, as a rule and with a time limit.
-/// RRT, which finds some things that it does not, and an exhaustive search, which looks for proofs, have a share of 1.
-const BLENDED: u64 = 8;
-const IN_TIME: u64 = 20;
-/// Number of nodes of its shortest tree before a restart.
-const BLENDED_RESTART: u64 = 100_000;
+/// The shares of the work in `auto`, as a rule and with a time limit: of the tree that is led by distances and by coverage,
+/// and of one by coverage alone, where distances lead astray. RRT, which finds some things that these do not, and an
+/// exhaustive search, which looks for proofs, have a share of 1.
+const AUTO: [u64; 2] = [8, 2];
+const IN_TIME: [u64; 2] = [20, 1];
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

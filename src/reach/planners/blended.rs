@@ -1,9 +1,10 @@
-//! Guided by distances and by coverage in one tree: each extension is chosen by one of the two, and both learn from it.
+//! Guided by distances and by coverage in one tree: each extension is chosen by one of the two.
 //!
-//! What one of them finds the other goes on from, which two trees in turns cannot. After the several selection rules over
-//! one open list of Röger and Helmert, *The More, the Merrier: Combining Heuristic Estimators for Satisficing Planning*,
-//! 2010; here the rules keep cells of their own, and the one that is led by distances gets most of the choices while it
-//! comes nearer to the goal.
+//! After the several selection rules of Röger and Helmert, *The More, the Merrier: Combining Heuristic Estimators for
+//! Satisficing Planning*, 2010. Theirs alternate over the same states; here each rule keeps cells of its own, and the one
+//! that is led by distances gets most of the choices. Coverage learns from all extensions. The other one goes on from what
+//! coverage finds only where that is progress: nearer than ever, or something that seldom changes has changed. It would
+//! try all other places that coverage strays to again and again, as it does at an obstacle.
 
 use crate::reach::distance::DistanceField;
 use crate::reach::metric::{Metric, Point};
@@ -16,16 +17,11 @@ use super::distance_guided::DistanceGuided;
 
 use rand::RngExt;
 
-/// Of as many choices, those by distance: as a rule, while it comes nearer to the goal, with a time limit, and where the
-/// goal is not at a position.
+/// Of as many choices, those by distance: as a rule, with a time limit, and where the goal is not at a position.
 const CHOICES: u32 = 8;
-const BY_DISTANCE: u32 = 5;
-const WHILE_NEARER: u32 = 7;
+const BY_DISTANCE: u32 = 7;
 const IN_TIME: u32 = 6;
 const WITHOUT_DISTANCES: u32 = 3;
-/// It comes nearer if it did in this part of the choices, or within as many.
-const RECENT: u64 = 4;
-const PATIENCE: u64 = 1_000;
 
 /// A strategy that chooses by distance or by coverage.
 #[derive(Debug)]
@@ -34,9 +30,6 @@ pub struct Blended<'m> {
     by_coverage: CoverageGuided,
     has_distances: bool,
     is_by_distance: bool,
-    /// Choices in this tree, and how many there were at the last record of the least distance.
-    choices: u64,
-    record: (u32, u64),
 }
 
 impl<'m> Blended<'m> {
@@ -47,32 +40,39 @@ impl<'m> Blended<'m> {
             by_coverage: CoverageGuided::new(metric),
             has_distances: distances.is_some(),
             is_by_distance: true,
-            choices: 0,
-            record: (u32::MAX, 0),
         }
     }
 
-    /// How many of the choices are by distance now.
+    /// Whether the rule that is led by distances learns of an extension.
+    fn is_shared(&self, context: &SearchContext<'_>, growth: Growth<'_>) -> bool {
+        // The earliest of several nodes counts with a time limit, and without distances the least chosen.
+        let is_by_nearness = self.has_distances && context.problem.time().is_none();
+        match growth {
+            Growth::Added(node, _) if is_by_nearness && !self.is_by_distance => {
+                self.by_coverage.has_opened() || self.by_distance.is_nearest(context, node)
+            }
+            _ => true,
+        }
+    }
+
+    /// How many of the choices are by distance.
     fn share(&self, is_timed: bool) -> u32 {
-        let since = self.choices - self.record.1;
-        match () {
-            () if !self.has_distances => WITHOUT_DISTANCES,
-            () if is_timed => IN_TIME,
-            () if since < PATIENCE || since < self.choices / RECENT => WHILE_NEARER,
-            () => BY_DISTANCE,
+        match (self.has_distances, is_timed) {
+            (false, _) => WITHOUT_DISTANCES,
+            (true, true) => IN_TIME,
+            (true, false) => BY_DISTANCE,
         }
     }
 }
 
 impl Strategy for Blended<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, toward: &Point) -> Option<Choice> {
-        self.choices += 1;
         let share = self.share(context.problem.time().is_some());
         self.is_by_distance = context.rng.random_ratio(share, CHOICES);
-        let choice = match self.is_by_distance {
-            true => self.by_distance.choose(context, toward),
-            false => self.by_coverage.choose(context, toward),
-        }?;
+        let by_distance = if self.is_by_distance { self.by_distance.choose(context, toward) } else { None };
+        // It may have tried all that it knows.
+        self.is_by_distance = by_distance.is_some();
+        let choice = by_distance.or_else(|| self.by_coverage.choose(context, toward))?;
         if context.tree.untried(choice.node) == 0 {
             self.by_distance.close(choice.node);
             self.by_coverage.close(choice.node);
@@ -81,14 +81,9 @@ impl Strategy for Blended<'_> {
     }
 
     fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
-        if let Growth::Rooted(..) = growth {
-            (self.choices, self.record) = (0, (u32::MAX, 0));
-        }
-        self.by_distance.learn(context, choice, growth);
         self.by_coverage.learn(context, choice, growth);
-        let nearest = self.by_distance.nearest();
-        if nearest < self.record.0 {
-            self.record = (nearest, self.choices);
+        if self.is_shared(context, growth) {
+            self.by_distance.learn(context, choice, growth);
         }
     }
 

@@ -62,6 +62,11 @@ impl Cells {
         self.cells[cell as usize].chosen
     }
 
+    /// Number of nodes that were ever added to a cell.
+    pub fn held(&self, cell: u32) -> u32 {
+        self.cells[cell as usize].held
+    }
+
     /// Counts that a cell was chosen.
     pub fn choose(&mut self, cell: u32) {
         self.cells[cell as usize].chosen += 1;

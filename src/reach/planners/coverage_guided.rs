@@ -55,6 +55,8 @@ pub struct CoverageGuided {
     next_update: u64,
     cells: Cells,
     before: Point,
+    /// Whether the last node was the first in its cell of the first level.
+    has_opened: bool,
 }
 
 impl CoverageGuided {
@@ -73,7 +75,13 @@ impl CoverageGuided {
             next_update: FIRST_UPDATE,
             cells: Cells::default(),
             before: Point::default(),
+            has_opened: false,
         }
+    }
+
+    /// Whether the last node was the first with its values of what seldom changes.
+    pub fn has_opened(&self) -> bool {
+        self.has_opened
     }
 
     /// Forgets a node without untried inputs.
@@ -153,7 +161,8 @@ impl Strategy for CoverageGuided {
             }
             (Growth::Added(node, point), Some(choice)) => {
                 self.compare(context, choice.node, point);
-                self.cells.add(node, &self.keys(point));
+                let (first, _) = self.cells.add(node, &self.keys(point));
+                self.has_opened = self.cells.held(first) == 1;
                 if self.extensions >= self.next_update {
                     self.update_levels(context);
                 }

@@ -102,9 +102,13 @@ impl<'m> DistanceGuided<'m> {
         }
     }
 
-    /// The least distance of a place of this tree.
-    pub fn nearest(&self) -> u32 {
-        self.nearest
+    /// Whether a node is nearer to the goal than all places of this tree.
+    pub fn is_nearest(&self, context: &SearchContext<'_>, node: NodeId) -> bool {
+        let (sim, state) = (context.problem.sim, context.tree.state(node));
+        self.distances.is_some_and(|distances| {
+            let (x, y) = sim.position(state, distances.player);
+            distances.of(sim.space(state, distances.player), x, y) < self.nearest
+        })
     }
 
     /// Forgets a node without untried inputs.

@@ -127,7 +127,8 @@ impl Occurrences {
         let traced =
             |o: Occurrence| Occurrence { at: sources.trace(o.at).0, declared: sources.trace(o.declared).0, ..o };
         let mut list: Vec<Occurrence> = self.list.into_iter().flatten().map(traced).collect();
-        list.sort_unstable();
+        // Each item has its own in order already: a sort that merges them.
+        list.sort();
         list.dedup();
         list
     }

@@ -2,8 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
 
 use hypedc::compile::{LevelFile, check_with};
+use hypedc::lsp::Settings;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -313,10 +316,58 @@ fn many_edits() {
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "the memory of a process is that of all tests in it: run alone, by `a_large_paste_gives_its_memory_back`"]
+fn a_large_paste() {
+    let entities = SLIME.split_once("const floor_height").unwrap().0;
+    let mut large = String::new();
+    for number in 0..(1 << 20) / entities.len() {
+        large += &entities
+            .replace("entity Slime", &format!("entity Slime{number}"))
+            .replace("Hero", &format!("Hero{number}"));
+    }
+    let mut client = Client::start_patient(
+        Arc::new(Memory::default()),
+        json!({}),
+        json!({}),
+        Settings { debounce: Duration::from_millis(200), ..Settings::default() },
+    );
+    let mut rounds = (0..3).map(|_| {
+        client.open(URI, "");
+        client.settle();
+        client.change(URI, json!([{ "text": large }]));
+        client.settle();
+        let document = json!({ "textDocument": { "uri": URI } });
+        client.request("textDocument/documentSymbol", document.clone()).unwrap();
+        client.request("textDocument/foldingRange", document).unwrap();
+        let held = resident();
+        client.close(URI);
+        client.settle();
+        (held, resident())
+    });
+    let (held, left) = rounds.next().unwrap();
+    assert!(left * 2 < held, "{left} of {held} bytes are left");
+    let (_, last) = rounds.next_back().unwrap();
+    assert!(last * 2 < left * 3, "{left} bytes are left, later {last}");
+    assert!(client.stop());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_large_paste_gives_its_memory_back() {
+    runs_alone("lsp::edits::a_large_paste");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn memory_of_many_edits_is_bounded() {
+    runs_alone("lsp::edits::many_edits");
+}
+
+/// Runs a test in a process of its own.
+#[cfg(target_os = "linux")]
+fn runs_alone(test: &str) {
     let tests = std::env::current_exe().unwrap();
-    let output =
-        std::process::Command::new(tests).args(["lsp::edits::many_edits", "--exact", "--ignored"]).output().unwrap();
+    let output = std::process::Command::new(tests).args([test, "--exact", "--ignored"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success() && said.contains("1 passed"), "{said}");
 }

@@ -205,5 +205,6 @@ fn a_list_opens_by_itself_where_its_first_items_are_likely() {
     // A type, a button, a mode.
     assert_eq!(typed("discrete is_angry: bool = false", "discrete is_angry: |", " "), json!(true));
     assert_eq!(typed("pressed(dash)", "pressed(|)", "("), json!(true));
-    assert_eq!(typed("-> dashing", "-> |", ">"), json!(true));
+    assert_eq!(typed("-> dashing", "->|", ">"), json!(true));
+    assert_eq!(typed("-> dashing", "-> |", " "), json!(true));
 }

@@ -93,6 +93,21 @@ async function tour() {
   await command('Format Document');
   await see('.statusbar', 'Ln 7, Col 5');
   await look('format');
+
+  // What imports a file follows when it is renamed.
+  const row = (name) => page.locator('.explorer-folders-view .monaco-list-row', { hasText: name }).first();
+  await row('robot.hyped').click();
+  await keyboard.press('F2');
+  await see('.explorer-folders-view .monaco-inputbox input');
+  await keyboard.press('Control+a');
+  await type('walker.hyped');
+  await keyboard.press('Enter');
+  await page.locator('.monaco-dialog-box', { hasText: 'refactoring changes' }).getByRole('button', { name: 'OK' }).click();
+  await row('walker.hyped').waitFor();
+  await open('test1.hyped');
+  await see('.view-line', 'import "walker.hyped"');
+  await gone('.squiggly-error');
+  await look('renamed-file');
 }
 
 const parts = { basics: { tour }, live, play };

@@ -28,7 +28,8 @@ pub(in crate::lsp) struct Completions {
     pub replaces: Range<usize>,
     /// The best first.
     pub items: Vec<CompletionItem>,
-    /// Whether one of the first is likely. A list that nobody asked for is worth opening only then.
+    /// Whether one of the first is likely, or one of a few is wanted. A list that nobody asked for is worth opening only
+    /// then.
     pub is_likely: bool,
 }
 
@@ -40,6 +41,8 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let items = collected(view, at, code, &cursor)?;
     let replaces = cursor.word.start..cursor.word.end.max(at.byte);
     let (items, is_likely) = ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor));
+    // A target comes after an arrow, whatever it is.
+    let is_likely = is_likely || code[..replaces.start].trim_end().ends_with("->");
     Some(Completions { replaces, items, is_likely })
 }
 

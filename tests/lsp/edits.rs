@@ -346,7 +346,8 @@ fn large_pastes() {
     });
     // How much of it the allocator returns to the system is its own affair; what is kept would add up.
     let all: Vec<u64> = rounds.collect();
-    assert!(all[7] < all[0] * 2, "bytes after each paste: {all:?}");
+    let most = all[..3].iter().max().unwrap();
+    assert!(all[7] * 2 < most * 3, "bytes after each paste: {all:?}");
     assert!(client.stop());
 }
 

@@ -316,11 +316,11 @@ fn many_edits() {
 
 #[cfg(target_os = "linux")]
 #[test]
-#[ignore = "the memory of a process is that of all tests in it: run alone, by `a_large_paste_gives_its_memory_back`"]
-fn a_large_paste() {
+#[ignore = "the memory of a process is that of all tests in it: run alone, by `memory_of_large_pastes_is_given_back`"]
+fn large_pastes() {
     let entities = SLIME.split_once("const floor_height").unwrap().0;
     let mut large = String::new();
-    for number in 0..(1 << 20) / entities.len() {
+    for number in 0..(1 << 19) / entities.len() {
         large += &entities
             .replace("entity Slime", &format!("entity Slime{number}"))
             .replace("Hero", &format!("Hero{number}"));
@@ -331,7 +331,7 @@ fn a_large_paste() {
         json!({}),
         Settings { debounce: Duration::from_millis(200), ..Settings::default() },
     );
-    let mut rounds = (0..3).map(|_| {
+    let rounds = (0..8).map(|_| {
         client.open(URI, "");
         client.settle();
         client.change(URI, json!([{ "text": large }]));
@@ -339,22 +339,22 @@ fn a_large_paste() {
         let document = json!({ "textDocument": { "uri": URI } });
         client.request("textDocument/documentSymbol", document.clone()).unwrap();
         client.request("textDocument/foldingRange", document).unwrap();
-        let held = resident();
         client.close(URI);
         client.settle();
-        (held, resident())
+        client.published.clear();
+        resident()
     });
-    let (held, left) = rounds.next().unwrap();
-    assert!(left * 2 < held, "{left} of {held} bytes are left");
-    let (_, last) = rounds.next_back().unwrap();
-    assert!(last * 2 < left * 3, "{left} bytes are left, later {last}");
+    // How much of it the allocator returns to the system is its own affair; what is kept would add up.
+    let all: Vec<u64> = rounds.collect();
+    let most = all[..3].iter().max().unwrap();
+    assert!(all[7] * 2 < most * 3, "bytes after each paste: {all:?}");
     assert!(client.stop());
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_large_paste_gives_its_memory_back() {
-    runs_alone("lsp::edits::a_large_paste");
+fn memory_of_large_pastes_is_given_back() {
+    runs_alone("lsp::edits::large_pastes");
 }
 
 #[cfg(target_os = "linux")]

@@ -283,11 +283,16 @@ impl<'a> SearchContext<'a> {
         }
         let nth = self.rng.random_range(0..untried);
         let input = self.tree.take_untried(node, nth);
-        let input = self.hold_ahead(node, input);
         Some(Choice { node, input, hold: self.draw_hold() })
     }
 
-    /// The input of a node with what only the modes ahead read: as a rule, that stays as it was.
+    /// As [`SearchContext::draw_untried`], with what only the modes ahead read: as a rule, that stays as it was.
+    pub fn draw_untried_holding(&mut self, node: NodeId) -> Option<Choice> {
+        let choice = self.draw_untried(node)?;
+        Some(Choice { input: self.hold_ahead(node, choice.input), ..choice })
+    }
+
+    /// An input of a node with what only the modes ahead read.
     fn hold_ahead(&mut self, node: NodeId, input: usize) -> usize {
         let set = self.tree.set(node);
         let combinations = self.controls.combinations_ahead(set);

@@ -146,7 +146,7 @@ impl Strategy for CoverageGuided {
             self.cells.choose(cell);
         }
         let node = self.cells.draw_node(context, cell);
-        let choice = context.draw_untried(node);
+        let choice = context.draw_untried_holding(node);
         if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }

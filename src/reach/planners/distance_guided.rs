@@ -212,7 +212,7 @@ impl Strategy for DistanceGuided<'_> {
         let inner = self.cells.draw(context, self.cells.inside(place))?;
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
-        let choice = context.draw_untried(node);
+        let choice = context.draw_untried_holding(node);
         if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }

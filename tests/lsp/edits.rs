@@ -2,11 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Duration;
 
 use hypedc::compile::{LevelFile, check_with};
-use hypedc::lsp::Settings;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -325,12 +322,7 @@ fn large_pastes() {
             .replace("entity Slime", &format!("entity Slime{number}"))
             .replace("Hero", &format!("Hero{number}"));
     }
-    let mut client = Client::start_patient(
-        Arc::new(Memory::default()),
-        json!({}),
-        json!({}),
-        Settings { debounce: Duration::from_millis(200), ..Settings::default() },
-    );
+    let mut client = Client::start(&[], json!({}));
     let rounds = (0..8).map(|_| {
         client.open(URI, "");
         client.settle();

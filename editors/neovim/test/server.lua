@@ -1,5 +1,5 @@
--- Tests of Neovim with `hypedc lsp`: findings, definitions, rename, formatting, in a copy of the program
--- ../test/mistakes. `nvim --headless --clean -l test/server.lua` in the plugin's folder, with $HYPEDC, the hypedc
+-- Tests of Neovim with `hypedc lsp`: findings, definitions, rename, formatting, repairs, in copies of the programs
+-- ../test/mistakes and ../test/repairs. `nvim --headless --clean -l test/server.lua` in the plugin's folder, with $HYPEDC, the hypedc
 -- executable.
 
 local harness = dofile('test/harness.lua')
@@ -7,11 +7,14 @@ local test, same, wait_for = harness.test, harness.same, harness.wait_for
 
 local folder = vim.fn.tempname()
 vim.fn.mkdir(folder .. '/.git', 'p')
-for _, name in ipairs({ 'game.hyped', 'slime.hyped' }) do
-  vim.fn.writefile(vim.fn.readfile('../test/mistakes/' .. name, 'b'), folder .. '/' .. name, 'b')
+local programs = vim.fn.fnamemodify('../test', ':p')
+local function copy(name)
+  vim.fn.writefile(vim.fn.readfile(programs .. name, 'b'), folder .. '/' .. vim.fs.basename(name), 'b')
 end
+copy('mistakes/game.hyped')
+copy('mistakes/slime.hyped')
 -- To be imported; the server knows what is there as it starts.
-vim.fn.writefile({ '/// Lies there.', 'entity Gem {', '    collider body: rect(0, 0, 8, 8)', '}' }, folder .. '/gem.hyped')
+copy('repairs/gem.hyped')
 vim.cmd.cd(folder)
 -- What the server remembers stays here.
 vim.env.XDG_CACHE_HOME = folder .. '/cache'
@@ -227,35 +230,8 @@ test('the map is painted, and a tile tells how one gets there', function()
   wait_for('no paint', function() return #groups() == 0 end)
 end)
 
--- Mistakes, each to be mended in its own way, and a number without a name.
-local mistakes = {
-  'entity Ball {',
-  '    param weight = 3',
-  '    discrete lives: int = 3',
-  '    button leap',
-  '    collider body: rect(0, 0, 8, 8)',
-  '    mode resting {',
-  "        x' = 0",
-  '        when pressed(leap) and x < 120 -> flying { lives := 9 }',
-  '    }',
-  '    mode flying {',
-  "        y'' = -300",
-  '        when touching(body, wall) -> sliding',
-  '    }',
-  '}',
-  'world Hall {',
-  '    collide body with wall: block',
-  '    space main {',
-  '        rect wall (0, 0, 64, 8)',
-  '        place ball: Ball at (0, 32)',
-  '        place gem: Gem at (32, 32)',
-  '    }',
-  '    player 1: ball',
-  '}',
-}
-
 test('code actions mend what is found', function()
-  vim.fn.writefile(mistakes, folder .. '/ball.hyped')
+  copy('repairs/ball.hyped')
   vim.cmd.edit('ball.hyped')
   local buffer = vim.api.nvim_get_current_buf()
   local function text()
@@ -264,7 +240,7 @@ test('code actions mend what is found', function()
   -- Where the cursor is put, the action that is chosen, and what the text has, or has no more, then.
   for _, step in ipairs({
     { 'sliding', 'declare `mode sliding`', makes = 'mode sliding {' },
-    { '= 3$', 'write `int 0..9`', makes = 'int 0..9 = 3' },
+    { 'lives: int \\zs=', 'write `int 0..9`', makes = 'int 0..9 = 3' },
     { 'Gem', 'import `gem.hyped`', makes = 'import "gem.hyped"' },
     { 'weight', 'remove the parameter', removes = 'param weight' },
     { '120', 'extract a parameter', removes = 'x < 120' },
@@ -273,7 +249,7 @@ test('code actions mend what is found', function()
     local function is_done()
       return step.makes and text():find(step.makes, 1, true) ~= nil or step.removes and not text():find(step.removes, 1, true)
     end
-    vim.fn.cursor(step.makes == 'int 0..9 = 3' and vim.fn.search('lives: int') or 1, 1)
+    vim.fn.cursor(1, 1)
     assert(vim.fn.search(at, 'cW') > 0, at)
     -- Findings of the text of before have no fixes: it is asked for until it is there.
     wait_for(title, function()

@@ -14,7 +14,7 @@ import { start } from './workbench.mjs';
 const here = join(import.meta.dirname, '..');
 const files = { '0new.hyped': '', ...live.files, ...play.files };
 const bench = await start(join(here, '../../examples'), files, process.argv[2] ?? join(here, 'dist/look'));
-const { page, keyboard, see, gone, look, command, open, go, type, begin, run } = bench;
+const { page, keyboard, see, gone, look, command, row, open, go, type, begin, run } = bench;
 
 async function tour() {
   await see('.explorer-folders-view', 'link.hyped');
@@ -54,7 +54,7 @@ async function tour() {
   await see('.outline-tree', 'walk_speed');
   await look('outline');
 
-  await page.locator('.explorer-folders-view .monaco-list-row', { hasText: 'paper' }).click();
+  await row('paper').click();
   await open('test1.hyped');
   const lens = (text) => page.locator('.codelens-decoration a', { hasText: text }).first();
   await lens('simulate').waitFor();
@@ -95,7 +95,6 @@ async function tour() {
   await look('format');
 
   // What imports a file follows when it is renamed.
-  const row = (name) => page.locator('.explorer-folders-view .monaco-list-row', { hasText: name }).first();
   await row('robot.hyped').click();
   await keyboard.press('F2');
   await see('.explorer-folders-view .monaco-inputbox input');

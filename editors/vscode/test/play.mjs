@@ -1,6 +1,8 @@
 // What runs in the editor: a failing test at its line, the page that plays the text, the statechart, code actions.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
 
 /** A walk to the right over a gap, with tests of which one fails. */
 const WALK = `/// Walks, and leaps.
@@ -57,40 +59,8 @@ world Gap {
 }
 `;
 
-/** Four mistakes, each to be mended in its own way, and a number without a name. */
-const MISTAKES = `entity Ball {
-    param weight = 3
-    discrete lives: int = 3
-    button leap
-
-    collider body: rect(0, 0, 8, 8)
-
-    mode resting {
-        x' = 0
-        when pressed(leap) and x < 120 -> flying { lives := 9 }
-    }
-    mode flying {
-        y'' = -300
-        when touching(body, wall) -> sliding
-    }
-}
-
-world Hall {
-    collide body with wall: block
-    space main {
-        rect wall (0, 0, 64, 8)
-        place ball: Ball at (0, 32)
-        place gem: Gem at (32, 32)
-    }
-    player 1: ball
-}
-`;
-
-const GEM = `/// Lies there.
-entity Gem {
-    collider body: rect(0, 0, 8, 8)
-}
-`;
+/** A program with four mistakes, each to be mended in its own way, and a number without a name; what it can import. */
+const [MISTAKES, GEM] = ['ball', 'gem'].map((name) => readFileSync(join(import.meta.dirname, '../../test/repairs', `${name}.hyped`), 'utf8'));
 
 /** Where the cursor is put, the action that is chosen, and what the text has then. */
 const ACTIONS = [

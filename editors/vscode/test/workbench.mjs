@@ -86,8 +86,9 @@ export async function start(folder, files, pictures) {
     await gone('.quick-input-widget');
   }
   const command = (title) => pick('F1', title);
-  /** Opens a file or a folder in the explorer. */
-  const open = (name) => page.locator('.explorer-folders-view .monaco-list-row', { hasText: name }).first().dblclick();
+  /** A file or a folder in the explorer. */
+  const row = (name) => page.locator('.explorer-folders-view .monaco-list-row', { hasText: name }).first();
+  const open = (name) => row(name).dblclick();
   const go = (line, column) => pick('Control+g', `${line}:${column}`);
   const type = (text) => keyboard.type(text, { delay: 40 });
   /** Opens the folder. */
@@ -112,5 +113,5 @@ export async function start(folder, files, pictures) {
     if (failure) throw failure;
     console.log(`${taken} pictures are in ${shots}`);
   }
-  return { page, keyboard, see, gone, look, pick, command, open, go, type, begin, run, work };
+  return { page, keyboard, see, gone, look, pick, command, row, open, go, type, begin, run, work };
 }

@@ -42,7 +42,7 @@ pub(in crate::lsp) fn completion(view: &View, at: &FileOffset) -> Option<Complet
     let replaces = cursor.word.start..cursor.word.end.max(at.byte);
     let (items, is_likely) = ordered(&items, &cursor, own(&items, &cursor), shown(&items, view, at, &cursor));
     // A target comes after an arrow, whatever it is.
-    let is_likely = is_likely || code[..replaces.start].trim_end().ends_with("->");
+    let is_likely = is_likely || cursor.previous(1) == "->";
     Some(Completions { replaces, items, is_likely })
 }
 

@@ -1,6 +1,7 @@
 //! Latency of the language server in programs of 200, 2,000 and 20,000 lines, over a connection in memory: from a key to
 //! its findings and to its completions, and of a hover; for single keys, and while a line is typed every 25 ms with all
-//! requests that an editor sends. `cargo bench --bench lsp` prints medians and 95th percentiles.
+//! requests that an editor sends. `cargo bench --bench lsp` prints medians and 95th percentiles; with a number, as in
+//! `cargo bench --bench lsp -- 20000`, for a program of so many lines alone.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
 #![allow(
@@ -257,7 +258,8 @@ fn resident() -> f64 {
 
 fn main() {
     println!("ms: median, 95th percentile, longest");
-    for lines in [200, 2_000, 20_000] {
+    let asked: Vec<usize> = std::env::args().filter_map(|arg| arg.parse().ok()).collect();
+    for lines in if asked.is_empty() { vec![200, 2_000, 20_000] } else { asked } {
         let text = large::realistic(lines);
         // Into the mode nearest to the middle of the file that goes to `leftwards`.
         let modes = text.match_indices("        when x >= right -> leftwards").map(|(at, _)| at);

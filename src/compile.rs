@@ -187,7 +187,7 @@ fn stages(
     diagnostics.sort();
     let written = tests::checked_tests(&checked, first);
     let mut program = (!diagnostics.has_errors()).then(|| match is_kept {
-        true => Arc::new(ir::lower(checked.clone())),
+        true => Arc::new(ir::lower(checked.without_names())),
         false => Arc::new(ir::lower(std::mem::take(&mut checked))),
     });
     let mut tests = Vec::new();

@@ -218,10 +218,10 @@ impl Snapshot {
     }
 
     /// The syntax tree of a behaviour, by name.
-    pub fn behavior(&self, name: &str) -> Option<Behavior> {
+    pub fn behavior(&self, name: &str) -> Option<Arc<Behavior>> {
         let of = |tree: &ast::File| {
             tree.items.iter().find_map(|item| match item {
-                Item::Behavior(behavior) if behavior.name.text == name => Some((**behavior).clone()),
+                Item::Behavior(behavior) if behavior.name.text == name => Some(Arc::clone(behavior)),
                 _ => None,
             })
         };

@@ -53,6 +53,16 @@ pub struct Checked {
     pub dimensions: Dimensions,
 }
 
+impl Checked {
+    /// A copy without what editors alone read.
+    pub fn without_names(&mut self) -> Self {
+        let (occurrences, dimensions) = (std::mem::take(&mut self.occurrences), std::mem::take(&mut self.dimensions));
+        let copy = self.clone();
+        (self.occurrences, self.dimensions) = (occurrences, dimensions);
+        copy
+    }
+}
+
 /// A set of names over which discrete variables range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SetId(pub u32);

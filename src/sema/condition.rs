@@ -155,11 +155,11 @@ impl Conditions {
 
 impl Checker<'_> {
     /// Declares the conditions in the body of an entity.
-    pub(super) fn declare_conditions(&mut self, body: &PendingBody) {
+    pub(super) fn declare_conditions(&mut self, body: &PendingBody<'_>) {
         let modes = body.modes.iter().enumerate();
         let modes = modes.map(|(index, mode)| (&mode.members, Some(ModeId(index as u32))));
         let all = std::iter::once((&body.members, None)).chain(modes).flat_map(|(members, mode)| {
-            members.iter().filter_map(move |member| match member {
+            members.iter().filter_map(move |member| match *member {
                 Member::Condition(condition) => Some((&**condition, mode)),
                 _ => None,
             })

@@ -26,7 +26,7 @@ use super::expression::{ReadLimit, Scope};
 use super::facts::Facts;
 use super::mode::ModeNames;
 use super::names::{Candidate, Table, unknown};
-use super::{Boxes, Checker, Set, start};
+use super::{Checker, Set, start};
 
 /// The names of an entity.
 #[derive(Debug)]
@@ -44,20 +44,33 @@ pub(super) struct Skeleton {
     pub lost: Vec<Vec<Word>>,
 }
 
-/// The unchecked part of an entity whose names are known. Each part is dropped once it is checked, as both
-/// representations are large for a large program.
-#[derive(Debug)]
-pub(super) struct PendingBody {
+/// The unchecked part of an entity whose names are known.
+#[derive(Debug, Default)]
+pub(super) struct PendingBody<'t> {
     /// The members outside of modes.
-    pub members: Vec<Member>,
-    /// Modes in preorder of their ids, without their child modes.
-    pub modes: Boxes<ast::Mode>,
+    pub members: Vec<&'t Member>,
+    /// Modes in preorder of their ids.
+    pub modes: Vec<PendingMode<'t>>,
+}
+
+/// A mode whose name is known.
+#[derive(Debug)]
+pub(super) struct PendingMode<'t> {
+    pub syntax: &'t ast::Mode,
+    /// Its members but for its child modes; those of several `always` are together.
+    pub members: Vec<&'t Member>,
+}
+
+impl<'t> From<&'t ast::Mode> for PendingMode<'t> {
+    fn from(syntax: &'t ast::Mode) -> Self {
+        PendingMode { syntax, members: syntax.members.iter().collect() }
+    }
 }
 
 impl Skeleton {
     /// The names of a completely declared entity.
-    fn of(entity: &Entity, modes: &[Box<ast::Mode>], conditions: &Conditions) -> Self {
-        let lost = |index: usize, mode: &ast::Mode| {
+    fn of(entity: &Entity, modes: &[PendingMode<'_>], conditions: &Conditions) -> Self {
+        let lost = |index: usize, mode: &PendingMode<'_>| {
             let edges = mode.members.iter().filter_map(|m| match m {
                 Member::Edge(edge) if edge.target.is_some() => {
                     conditions.lost_by(&edge.guard, ModeId(index as u32), entity)
@@ -94,10 +107,10 @@ impl Skeleton {
 
 impl Checker<'_> {
     /// Declares the names, types and modes of an entity; returns the rest for later.
-    pub(super) fn skeleton(&mut self, syntax: ast::Entity) -> (Entity, PendingBody) {
+    pub(super) fn skeleton<'t>(&mut self, syntax: &'t ast::Entity) -> (Entity, PendingBody<'t>) {
         let mut entity = Entity {
-            name: syntax.name,
-            doc: syntax.doc.map(String::into_boxed_str),
+            name: syntax.name.clone(),
+            doc: syntax.doc.as_deref().map(Box::from),
             params: RareVec::new(),
             reads_start: false,
             vars: IdVec::new(),
@@ -120,7 +133,7 @@ impl Checker<'_> {
             conditions: Box::default(),
             order: Box::default(),
         };
-        let mut body = PendingBody { members: Vec::new(), modes: Boxes::new() };
+        let mut body = PendingBody::default();
         for text in ["x", "y"] {
             let name = Name { text: text.into(), span: entity.name.span };
             entity.vars.push(Var { name, initial: None, dimension: None });
@@ -130,13 +143,13 @@ impl Checker<'_> {
         }
         // The scope of parameter defaults.
         let mut names = Skeleton::of(&entity, &[], &self.conditions);
-        let (mut modes, mut signals): (Vec<Member>, Vec<Signal>) = (Vec::new(), Vec::new());
+        let (mut modes, mut signals): (Vec<&Member>, Vec<Signal>) = (Vec::new(), Vec::new());
         // Parameters, variables and chances share one name space; buttons and axes another.
         let mut values: Table<()> = Table::new("parameter or variable");
         let mut inputs: Table<()> = Table::new("input");
-        for member in syntax.members {
+        for member in &syntax.members {
             match member {
-                Member::Parameter(p) => self.parameter(&p, &mut entity, &mut names, &mut values),
+                Member::Parameter(p) => self.parameter(p, &mut entity, &mut names, &mut values),
                 Member::Continuous(c) => {
                     self.record_declaration(NameKind::Variable, &c.name);
                     if self.is_new_value(&c.name, &mut values) {
@@ -145,7 +158,7 @@ impl Checker<'_> {
                         names.vars.declare(&c.name, id, &mut self.diagnostics);
                     }
                     if c.initial.is_some() {
-                        body.members.push(Member::Continuous(c));
+                        body.members.push(member);
                     }
                 }
                 Member::Discrete(d) => {
@@ -161,7 +174,7 @@ impl Checker<'_> {
                     };
                     let id = entity.discretes.push(Discrete { name: d.name.clone(), ty, values, range, initial });
                     names.discretes.declare(&d.name, id, &mut self.diagnostics);
-                    body.members.push(Member::Discrete(d));
+                    body.members.push(member);
                 }
                 Member::Reference(r) => {
                     self.record_declaration(NameKind::Reference, &r.name);
@@ -183,7 +196,7 @@ impl Checker<'_> {
                     names.refs.declare(&r.name, id, &mut self.diagnostics);
                 }
                 Member::Signals(list) => {
-                    for signal in list.0 {
+                    for signal in &list.0 {
                         if self.is_new_value(&signal.name, &mut values) {
                             signals.push(self.signal(signal));
                         }
@@ -217,7 +230,7 @@ impl Checker<'_> {
                         names.axes.declare(name, id, &mut self.diagnostics);
                     }
                 }
-                Member::Chance(c) => self.chance(&c, &mut entity, &mut names, &mut values),
+                Member::Chance(c) => self.chance(c, &mut entity, &mut names, &mut values),
                 Member::Group(_) | Member::Mode(_) => modes.push(member),
                 Member::Use(_) => {}
                 other => body.members.push(other),
@@ -378,9 +391,9 @@ impl Checker<'_> {
 
     /// Groups and modes, numbered in preorder. Modes outside of groups are one group, so is what `always` holds; both
     /// stand where the first of them is written.
-    fn groups(&mut self, members: Vec<Member>, entity: &mut Entity, body: &mut Boxes<ast::Mode>) {
+    fn groups<'t>(&mut self, members: Vec<&'t Member>, entity: &mut Entity, body: &mut Vec<PendingMode<'t>>) {
         let mut group_names: Table<Span> = Table::new("group");
-        let mut groups: Vec<(Option<Name>, Boxes<ast::Mode>)> = Vec::new();
+        let mut groups: Vec<(Option<&Name>, Vec<PendingMode<'t>>)> = Vec::new();
         let (mut anonymous, mut always) = (None, None);
         for member in members {
             match member {
@@ -388,16 +401,14 @@ impl Checker<'_> {
                     self.record_declaration(NameKind::Group, &group.name);
                     group_names.declare(&group.name, group.name.span, &mut self.diagnostics);
                     let mut modes = Vec::new();
-                    for inner in group.members {
+                    for inner in &group.members {
                         match inner {
-                            Member::Mode(mode) if mode.initial != Initial::Always => modes.push(mode),
-                            Member::Mode(_) => {
-                                self.misplaced(&inner, "a group", "in the entity, outside of its groups")
-                            }
-                            other => self.misplaced(&other, "a group", "in the entity or in a mode"),
+                            Member::Mode(mode) if mode.initial != Initial::Always => modes.push((&**mode).into()),
+                            Member::Mode(_) => self.misplaced(inner, "a group", "in the entity, outside of its groups"),
+                            other => self.misplaced(other, "a group", "in the entity or in a mode"),
                         }
                     }
-                    groups.push((Some(group.name), modes));
+                    groups.push((Some(&group.name), modes));
                 }
                 Member::Mode(mode) => {
                     let place = if mode.initial == Initial::Always { &mut always } else { &mut anonymous };
@@ -405,22 +416,19 @@ impl Checker<'_> {
                     match groups.get_mut(at) {
                         // Several `always` are one mode, which may come from several behaviours.
                         Some((_, modes)) if mode.initial == Initial::Always => {
-                            modes
-                                .iter_mut()
-                                .take(1)
-                                .for_each(|first| first.members.extend(mode.members.iter().cloned()));
+                            modes.iter_mut().take(1).for_each(|first| first.members.extend(&mode.members));
                         }
-                        Some((_, modes)) => modes.push(mode),
-                        None => groups.push((None, vec![mode])),
+                        Some((_, modes)) => modes.push((&**mode).into()),
+                        None => groups.push((None, vec![(&**mode).into()])),
                     }
                 }
                 _ => {}
             }
         }
         let outermost = anonymous.and_then(|at| groups.get(at)).into_iter().flat_map(|(_, modes)| modes);
-        for mode in outermost {
+        for PendingMode { syntax: mode, .. } in outermost {
             let other = always.filter(|_| mode.name.text == ALWAYS).and_then(|at| groups.get(at));
-            let other = other.and_then(|(_, modes)| modes.first()).map(|always| always.name.span);
+            let other = other.and_then(|(_, modes)| modes.first()).map(|always| always.syntax.name.span);
             // A path would name both.
             if let Some(first) = group_names.get(&mode.name.text).copied().or(other) {
                 let (name, second) = (mode.name.text.to_string(), mode.name.span);
@@ -428,16 +436,16 @@ impl Checker<'_> {
             }
         }
         for (name, modes) in groups {
-            self.add_group(name.as_ref(), modes, entity, body);
+            self.add_group(name, modes, entity, body);
         }
     }
 
-    fn add_group(
+    fn add_group<'t>(
         &mut self,
         name: Option<&Name>,
-        modes: Boxes<ast::Mode>,
+        modes: Vec<PendingMode<'t>>,
         entity: &mut Entity,
-        body: &mut Boxes<ast::Mode>,
+        body: &mut Vec<PendingMode<'t>>,
     ) {
         if modes.is_empty() {
             return;
@@ -482,7 +490,7 @@ impl Checker<'_> {
     }
 
     /// Checks the body of an entity whose names are known.
-    pub(super) fn entity(&mut self, body: PendingBody, id: EntityId) -> Entity {
+    pub(super) fn entity(&mut self, body: PendingBody<'_>, id: EntityId) -> Entity {
         let frozen = self.checked.entities[id].clone();
         let mut entity = (*frozen).clone();
         self.declare_conditions(&body);
@@ -497,24 +505,24 @@ impl Checker<'_> {
         for member in body.members {
             match member {
                 Member::Collider(c) => {
-                    if let Some(collider) = self.collider(&c, &scope) {
+                    if let Some(collider) = self.collider(c, &scope) {
                         entity.colliders.push(collider);
                     }
                 }
                 Member::Flow(flow) => {
-                    if let Some(drive) = self.flow(&flow, &scope) {
+                    if let Some(drive) = self.flow(flow, &scope) {
                         entity.drives.push(drive);
                     }
                 }
-                Member::Envelope(envelope) => self.envelope(&envelope, &scope, &mut entity, None),
-                Member::Clamp(clamp) => clamps.extend(self.clamp(&clamp, &scope)),
-                Member::Look(look) => self.entity_look(&look, (id, &frozen.name), &mut looks),
+                Member::Envelope(envelope) => self.envelope(envelope, &scope, &mut entity, None),
+                Member::Clamp(clamp) => clamps.extend(self.clamp(clamp, &scope)),
+                Member::Look(look) => self.entity_look(look, (id, &frozen.name), &mut looks),
                 Member::Invariant(invariant) => {
                     let scope = scope.reading(ReadLimit::State);
                     invariants.extend(self.guard(&invariant.predicate, &scope));
                 }
                 Member::Entry(_) | Member::Edge(_) | Member::Follow(_) => {
-                    self.misplaced(&member, "an entity outside of its modes", "inside a mode, or in `always { … }`");
+                    self.misplaced(member, "an entity outside of its modes", "inside a mode, or in `always { … }`");
                 }
                 _ => {}
             }
@@ -525,7 +533,7 @@ impl Checker<'_> {
         let mut tested = Vec::with_capacity(edges);
         for (mode, syntax) in body.modes.into_iter().enumerate() {
             let scope = Scope { mode: Some(ModeId(mode as u32)), covered: true, ..scope };
-            self.mode(*syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);
+            self.mode(syntax, ModeId(mode as u32), &scope, &mut entity, &mut tested);
         }
         self.flow_conflicts(&entity);
         self.lost_entries(&entity, &tested);
@@ -537,11 +545,11 @@ impl Checker<'_> {
         entity
     }
 
-    fn initial_values(&mut self, members: &[Member], names: &Skeleton, entity: &mut Entity, scope: &Scope<'_>) {
+    fn initial_values(&mut self, members: &[&Member], names: &Skeleton, entity: &mut Entity, scope: &Scope<'_>) {
         let scope = scope.reading(ReadLimit::Params);
         let mut record_use = BTreeSet::new();
         for member in members {
-            let Member::Continuous(c) = member else {
+            let Member::Continuous(c) = *member else {
                 continue;
             };
             let (Some(&var), Some(initial)) = (names.vars.get(&c.name.text), &c.initial) else {
@@ -551,7 +559,7 @@ impl Checker<'_> {
                 entity.vars[var].initial = self.number(initial, &scope);
             }
         }
-        let discretes = members.iter().filter_map(|m| if let Member::Discrete(d) = m { Some(d) } else { None });
+        let discretes = members.iter().filter_map(|m| if let Member::Discrete(d) = *m { Some(d) } else { None });
         for (index, discrete) in discretes.enumerate() {
             let id = DiscreteId(index as u32);
             let ty = entity.discretes[id].ty;

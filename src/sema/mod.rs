@@ -106,10 +106,11 @@ pub fn check(
     let Items { constants, entities, worlds } = Items::of(files);
     // Imported files come last in the list, but their constants must be known to their importers.
     constants.into_iter().rev().flatten().for_each(|constant| checker.constant(&constant));
-    for (index, body) in checker.declare(entities).into_iter().enumerate() {
+    for (index, body) in checker.declare(&entities).into_iter().enumerate() {
         let checked = checker.entity(body, EntityId(index as u32));
         checker.checked.entities[EntityId(index as u32)] = checked.into();
     }
+    drop(entities);
     let mut worlds = worlds.into_iter();
     worlds.by_ref().take(MAX_WORLDS).for_each(|world| checker.world(&world));
     if let Some(world) = worlds.next() {
@@ -124,16 +125,13 @@ pub fn check(
     (checked, diagnostics)
 }
 
-/// Boxed parts of a syntax tree.
-type Boxes<T> = Vec<Box<T>>;
-
 /// The items of files, by kind.
 #[derive(Default)]
 struct Items {
     /// Per file.
-    constants: Vec<Boxes<ast::Constant>>,
-    entities: Boxes<ast::Entity>,
-    worlds: Boxes<ast::World>,
+    constants: Vec<Vec<Box<ast::Constant>>>,
+    entities: Vec<Arc<ast::Entity>>,
+    worlds: Vec<Arc<ast::World>>,
 }
 
 impl Items {
@@ -247,7 +245,7 @@ impl<'a> Checker<'a> {
     }
 
     /// Declares all entities, so that bodies may refer to any of them; returns the bodies.
-    fn declare(&mut self, mut entities: Boxes<ast::Entity>) -> Vec<entity::PendingBody> {
+    fn declare<'t>(&mut self, entities: &'t [Arc<ast::Entity>]) -> Vec<entity::PendingBody<'t>> {
         // References name entities, so all names are known before any skeleton.
         for (index, entity) in entities.iter().take(MAX_ENTITIES).enumerate() {
             self.record_declaration(NameKind::Entity, &entity.name);
@@ -256,13 +254,13 @@ impl<'a> Checker<'a> {
         if let Some(first) = entities.get(MAX_ENTITIES) {
             self.too_many("entities", MAX_ENTITIES, first.name.span);
             // Uses of them are not reported.
-            let others = entities.drain(MAX_ENTITIES..);
+            let others = entities.iter().skip(MAX_ENTITIES);
             self.poisoned_names.extend(others.map(|entity| entity.name.text.to_string()));
         }
         self.checked.entities.reserve(entities.len());
         let mut bodies = Vec::with_capacity(entities.len());
-        for entity in entities {
-            let (checked, body) = self.skeleton(*entity);
+        for entity in entities.iter().take(MAX_ENTITIES) {
+            let (checked, body) = self.skeleton(entity);
             self.checked.entities.push(checked.into());
             bodies.push(body);
         }

@@ -13,13 +13,14 @@ use crate::source::Span;
 use crate::syntax::ast::{self, BinaryOp, ExprKind, Initial, Member, PathRef, Word};
 use crate::syntax::occurrence::{NameKind, Role};
 
+use super::Checker;
 use super::checked::{Action, Discrete, Edge, Entity, Follow, Given, Mode, Term, TermKind, Type, Update};
+use super::entity::PendingMode;
 use super::expression::{ReadLimit, Scope};
 use super::facts::Mark;
 use super::foreign;
 use super::names::{Candidate, unknown};
 use super::operator::arithmetic;
-use super::{Boxes, Checker};
 
 /// What an `else` negates.
 enum Otherwise {
@@ -76,18 +77,19 @@ impl ModeNames {
 impl Checker<'_> {
     /// Adds modes and their contents to the entity, and their syntax to its body, in preorder; returns the ids of the
     /// outermost modes.
-    pub(super) fn mode_skeletons(
+    pub(super) fn mode_skeletons<'t>(
         &mut self,
-        modes: Boxes<ast::Mode>,
+        modes: Vec<PendingMode<'t>>,
         group: GroupId,
         parent: Option<ModeId>,
         path: &[String],
         entity: &mut Entity,
-        body: &mut Boxes<ast::Mode>,
+        body: &mut Vec<PendingMode<'t>>,
     ) -> Vec<ModeId> {
         let mut ids: Vec<ModeId> = Vec::new();
         let mut named: BTreeMap<Word, Span> = BTreeMap::new();
-        for mut mode in modes {
+        for mut pending in modes {
+            let mode = pending.syntax;
             if entity.modes.is_full(MAX_MODES) {
                 self.too_many("modes", MAX_MODES, mode.name.span);
                 return ids;
@@ -103,7 +105,7 @@ impl Checker<'_> {
             full.push(mode.name.text.to_string());
             let id = entity.modes.push(Mode {
                 name: mode.name.clone(),
-                doc: mode.doc.take().map(String::from),
+                doc: mode.doc.as_deref().map(String::from),
                 path: full.clone(),
                 group,
                 parent,
@@ -117,12 +119,13 @@ impl Checker<'_> {
                 follows: Vec::new(),
                 span: mode.span,
             });
-            let is_inner = |member: &mut Member| matches!(member, Member::Mode(m) if m.initial != Initial::Always);
+            let is_inner = |member: &Member| matches!(member, Member::Mode(m) if m.initial != Initial::Always);
             let is_always = mode.initial == Initial::Always;
-            let inner = mode.members.extract_if(.., |member| !is_always && is_inner(member));
-            let inner = inner.filter_map(|member| if let Member::Mode(inner) = member { Some(inner) } else { None });
-            let inner: Boxes<ast::Mode> = inner.collect();
-            body.push(mode);
+            let inner = pending.members.extract_if(.., |member| !is_always && is_inner(member));
+            let inner = inner
+                .filter_map(|member| if let Member::Mode(inner) = member { Some((&**inner).into()) } else { None });
+            let inner: Vec<PendingMode<'_>> = inner.collect();
+            body.push(pending);
             entity.modes[id].children = self.mode_skeletons(inner, group, Some(id), &full, entity, body);
             ids.push(id);
         }
@@ -174,7 +177,7 @@ impl Checker<'_> {
     /// Checks the body of a mode. Adds to `tested`, for each edge of the entity, the references that its guard tests.
     pub(super) fn mode(
         &mut self,
-        syntax: ast::Mode,
+        PendingMode { syntax, members }: PendingMode<'_>,
         id: ModeId,
         scope: &Scope<'_>,
         entity: &mut Entity,
@@ -186,27 +189,27 @@ impl Checker<'_> {
         }
         let is_always = syntax.initial == Initial::Always;
         let mut otherwise = Otherwise::None;
-        let mut members = syntax.members.into_iter().peekable();
+        let mut members = members.into_iter().peekable();
         while let Some(member) = members.next() {
-            let is_else = |next: &Member| matches!(next, Member::Edge(edge) if edge.guard.kind == ExprKind::Else);
+            let is_else = |next: &&Member| matches!(next, Member::Edge(edge) if edge.guard.kind == ExprKind::Else);
             let before = std::mem::replace(&mut otherwise, Otherwise::None);
             match member {
                 Member::Flow(_) | Member::Envelope(_) if is_always => {
-                    self.misplaced(&member, "`always`", "in the entity, where it holds in all modes");
+                    self.misplaced(member, "`always`", "in the entity, where it holds in all modes");
                 }
                 Member::Entry(_) if is_always => {
-                    self.misplaced(&member, "`always`, which is never entered", "on an edge: `when GUARD { … }`");
+                    self.misplaced(member, "`always`, which is never entered", "on an edge: `when GUARD { … }`");
                 }
                 Member::Flow(flow) => {
-                    if let Some(drive) = self.flow(&flow, scope) {
+                    if let Some(drive) = self.flow(flow, scope) {
                         entity.modes[id].drives.push(drive);
                     }
                 }
-                Member::Envelope(envelope) => self.envelope(&envelope, scope, entity, Some(id)),
+                Member::Envelope(envelope) => self.envelope(envelope, scope, entity, Some(id)),
                 Member::Entry(update) => {
                     // Entry actions read the state before the edge, when the mode was not active.
                     let scope = Scope { covered: false, ..*edges };
-                    self.action(&update, &scope, &mut entity.modes[id].entry);
+                    self.action(update, &scope, &mut entity.modes[id].entry);
                 }
                 Member::Edge(edge) => {
                     let has_else = edge.guard.kind != ExprKind::Else && members.peek().is_some_and(is_else);
@@ -216,20 +219,20 @@ impl Checker<'_> {
                         let negation = guard.clone().map(|when| (when, self.facts.needs.clone()));
                         otherwise = negation.map_or(Otherwise::Unreadable, |(when, needs)| Otherwise::Of(when, needs));
                     }
-                    if let Some((edge, tests)) = self.edge(*edge, (guard, mark), id, edges) {
+                    if let Some((edge, tests)) = self.edge(edge, (guard, mark), id, edges) {
                         let edge: EdgeId = entity.edges.push(edge);
                         entity.modes[id].edges.push(edge);
                         tested.push(tests);
                     }
                 }
                 Member::Follow(follow) => {
-                    if let Some(follow) = self.follow(&follow, edges) {
+                    if let Some(follow) = self.follow(follow, edges) {
                         entity.modes[id].follows.push(follow);
                     }
                 }
                 Member::Use(_) | Member::Condition(_) => {}
-                Member::Mode(_) if is_always => self.misplaced(&member, "`always`", "beside it, in the entity"),
-                other => self.misplaced(&other, "a mode", "in the entity, outside of its modes"),
+                Member::Mode(_) if is_always => self.misplaced(member, "`always`", "beside it, in the entity"),
+                other => self.misplaced(other, "a mode", "in the entity, outside of its modes"),
             }
         }
         self.update_conflicts(&entity.modes[id].entry, entity);
@@ -266,7 +269,7 @@ impl Checker<'_> {
     /// An edge with its guard, and the references that the guard tests. What was learned since the mark is forgotten.
     fn edge(
         &mut self,
-        edge: ast::Edge,
+        edge: &ast::Edge,
         (guard, mark): (Option<Term>, Mark),
         source: ModeId,
         scope: &Scope<'_>,
@@ -299,8 +302,8 @@ impl Checker<'_> {
         let lost = lost.and_then(|name| names.refs.get(&name.text).copied());
         let written = edge.updates.len();
         let mut actions: Vec<Action> = Vec::with_capacity(written);
-        for update in edge.updates {
-            self.action(&update, scope, &mut actions);
+        for update in &edge.updates {
+            self.action(update, scope, &mut actions);
         }
         self.update_conflicts(&actions, entity);
         self.facts.forget(mark);

@@ -14,14 +14,14 @@ use super::names::unknown;
 
 impl Checker<'_> {
     /// Declares a signal, and its number.
-    pub(super) fn signal(&mut self, declared: ast::Signal) -> Signal {
+    pub(super) fn signal(&mut self, declared: &ast::Signal) -> Signal {
         self.record_declaration(NameKind::Signal, &declared.name);
-        let number = declared.number.map(|(name, dimension)| {
-            self.record_declaration(NameKind::SignalNumber, &name);
+        let number = declared.number.as_ref().map(|(name, dimension)| {
+            self.record_declaration(NameKind::SignalNumber, name);
             let dimension = dimension.as_ref().and_then(|d| self.annotation(d));
-            Sum { name, dimension }
+            Sum { name: name.clone(), dimension }
         });
-        Signal { name: declared.name, number }
+        Signal { name: declared.name.clone(), number }
     }
 
     /// `send ship.score(100)`, `send all Door.open`

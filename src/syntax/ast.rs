@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt;
+use std::sync::Arc;
 
 use crate::source::{FileId, Span};
 
@@ -36,7 +37,7 @@ pub struct Name {
     pub span: Span,
 }
 
-/// A top-level item.
+/// A top-level item. Large ones are shared with the trees of other versions of a text.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {
     /// `import "path"`
@@ -44,11 +45,11 @@ pub enum Item {
     /// `const name = expression`
     Constant(Box<Constant>),
     /// `entity Name { … }`
-    Entity(Box<Entity>),
+    Entity(Arc<Entity>),
     /// `behavior Name(parameters) { … }`
-    Behavior(Box<Behavior>),
+    Behavior(Arc<Behavior>),
     /// `world Name { … }`
-    World(Box<World>),
+    World(Arc<World>),
 }
 
 /// `import "path"`, relative to the importing file.

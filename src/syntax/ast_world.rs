@@ -1,5 +1,7 @@
 //! Worlds in the syntax tree, and looks.
 
+use std::sync::Arc;
+
 use crate::source::Span;
 
 use super::ast::{Assignment, Condition, Expr, File, Item, Name, Test};
@@ -61,8 +63,10 @@ impl File {
 
     /// As [`File::worlds`], to change them.
     pub(crate) fn worlds_mut<'f>(&'f mut self, name: Option<&'f str>) -> impl Iterator<Item = &'f mut World> {
-        let worlds =
-            self.items.iter_mut().filter_map(|i| if let Item::World(world) = i { Some(&mut **world) } else { None });
+        let worlds = self
+            .items
+            .iter_mut()
+            .filter_map(|i| if let Item::World(world) = i { Some(Arc::make_mut(world)) } else { None });
         worlds.filter(move |world| name.is_none_or(|name| &*world.name.text == name))
     }
 }

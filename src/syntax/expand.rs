@@ -5,6 +5,7 @@
 //! findings point at both. Names inside are resolved where the behaviour is used.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::file::TooMany;
@@ -26,7 +27,7 @@ const MAX_DEPTH: usize = 2 * MAX_NESTING;
 
 /// Expands all behaviours, and records occurrences of their names and parameters.
 pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occurrences) -> Diagnostics {
-    let mut behaviors: BTreeMap<Word, Behavior> = BTreeMap::new();
+    let mut behaviors: BTreeMap<Word, Arc<Behavior>> = BTreeMap::new();
     let mut diagnostics = Diagnostics::new();
     for behavior in files.iter().flat_map(|f| &f.items).filter_map(|i| match i {
         Item::Behavior(behavior) => Some(behavior),
@@ -43,7 +44,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
                 second: behavior.name.span,
             }),
             None => {
-                behaviors.insert(behavior.name.text.clone(), (**behavior).clone());
+                behaviors.insert(behavior.name.text.clone(), Arc::clone(behavior));
             }
         }
         let mut parameters: BTreeMap<&str, Span> = BTreeMap::new();
@@ -72,7 +73,10 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
     };
     expander.cycles();
     for item in files.iter_mut().flat_map(|f| &mut f.items) {
-        if let Item::Entity(entity) = item {
+        if let Item::Entity(entity) = item
+            && has_use(&entity.members)
+        {
+            let entity = Arc::make_mut(entity);
             expander.reads_start = entity.reads_start;
             expander.members(&mut entity.members);
             entity.reads_start = expander.reads_start;
@@ -83,7 +87,7 @@ pub fn expand(files: &mut [File], sources: &mut SourceMap, occurrences: &mut Occ
 }
 
 struct Expander<'a> {
-    behaviors: BTreeMap<Word, Behavior>,
+    behaviors: BTreeMap<Word, Arc<Behavior>>,
     /// Names that unreadable parts may have declared.
     poisoned_names: BTreeSet<Word>,
     sources: &'a mut SourceMap,
@@ -226,13 +230,13 @@ impl Expander<'_> {
         let from = behavior.name.span.file();
         let mut substitution = Substitution { from, to: copy, arguments, too_long: None, replaced: Vec::new() };
         self.reads_start |= behavior.reads_start;
-        let mut members = behavior.members;
+        let mut members = behavior.members.clone();
         members.iter_mut().for_each(|m| substitution.member(m));
         if let Some(at) = substitution.too_long {
             self.diagnostics.report(ExpressionTooLong { at, limit: MAX_OPERATORS, unread: false });
             return Vec::new();
         }
-        self.active.push(behavior.name.text);
+        self.active.push(behavior.name.text.clone());
         self.members(&mut members);
         self.active.pop();
         members

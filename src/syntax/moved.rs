@@ -1,6 +1,8 @@
 //! Moves a part of a syntax tree: when the text before it changes, all its spans do. [`reparse`](super::reparse) takes
 //! parts of an older tree so.
 
+use std::sync::Arc;
+
 use crate::source::{FileId, Span};
 
 use super::ast::{
@@ -35,6 +37,12 @@ impl Moved for Span {
 impl<T: Moved + ?Sized> Moved for Box<T> {
     fn moved(&mut self, shift: Shift) {
         (**self).moved(shift);
+    }
+}
+
+impl<T: Moved + Clone> Moved for Arc<T> {
+    fn moved(&mut self, shift: Shift) {
+        Arc::make_mut(self).moved(shift);
     }
 }
 

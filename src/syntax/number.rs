@@ -1,6 +1,8 @@
 //! The numbers of a program that can be set from outside: each `const`, and each `param` of an entity. The command line
 //! replaces their values in the tree, the page of a play session their literals in the text.
 
+use std::sync::Arc;
+
 use crate::source::Span;
 
 use super::ast::{Constant, Expr, ExprKind, File, Item, Member};
@@ -70,7 +72,7 @@ pub(crate) fn set_number(file: &mut File, path: &str, value: &Expr) -> bool {
         match (item, entity) {
             (Item::Constant(constant), None) => set(constant),
             (Item::Entity(of), Some(entity)) if &*of.name.text == entity => {
-                for member in &mut of.members {
+                for member in &mut Arc::make_mut(of).members {
                     if let Member::Parameter(parameter) = member {
                         set(parameter);
                     }

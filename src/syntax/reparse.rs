@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::diagnostic::Diagnostics;
 use crate::source::FileId;
@@ -96,12 +97,16 @@ impl<'a> Earlier<'a> {
                 && builder.source.get(source.clone()) == self.parsed.source.get(kept.source.clone());
             if is_same && let Some(item) = self.parsed.file.items.get(kept.index) {
                 let mut item = item.clone();
-                item.moved(Shift { file: builder.file, by: start as isize - kept.source.start as isize });
+                let shift = Shift { file: builder.file, by: start as isize - kept.source.start as isize };
+                if shift.by != 0 || builder.file != self.parsed.file.id {
+                    item.moved(shift);
+                }
                 let doc = builder.doc(builder.span(mended.start, mended.end));
                 match &mut item {
-                    Item::Entity(of) => of.doc = doc,
-                    Item::Behavior(of) => of.doc = doc,
-                    Item::World(of) => of.doc = doc,
+                    Item::Entity(of) if of.doc != doc => Arc::make_mut(of).doc = doc,
+                    Item::Behavior(of) if of.doc != doc => Arc::make_mut(of).doc = doc,
+                    Item::World(of) if of.doc != doc => Arc::make_mut(of).doc = doc,
+                    Item::Entity(_) | Item::Behavior(_) | Item::World(_) => {}
                     Item::Import(_) | Item::Constant(_) => return None,
                 }
                 return Some((item, Kept { index: 0, source, mended, is_taken: true }));

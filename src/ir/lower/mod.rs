@@ -46,7 +46,7 @@ pub fn lower(checked: Checked) -> Program {
         }
         let id = EntityId::from_index(index);
         let from = ExprId::from_index(program.exprs.len());
-        entity_code(&mut program, id, Arc::unwrap_or_clone(entity), &breakable);
+        entity_code(&mut program, id, &entity, &breakable);
         let to = ExprId::from_index(program.exprs.len());
         program.timer_thresholds(id, from, to);
         program.entity_mut(id).code = IdRange::new(from, to);
@@ -158,7 +158,7 @@ fn spans(e: &checked::Entity) -> EntitySpans {
     }
 }
 
-fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity, breakable: &BTreeSet<TagId>) {
+fn entity_code(program: &mut Program, id: EntityId, e: &checked::Entity, breakable: &BTreeSet<TagId>) {
     let context = Context { me: Some(id), slots: &|_| id, indestructible: &|_| false, tiles: None };
     for param in e.params.iter() {
         let default = program.term(&param.default, &context);
@@ -207,10 +207,10 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity, brea
         }
     }
     program.entity_mut(id).edges.reserve(e.edges.len());
-    for edge in e.edges.iter_mut() {
-        let guard = program.term(&edge.guard.take(), &context);
-        let actions = actions::lower(program, id, &std::mem::take(&mut edge.actions), &context);
-        let (source, target, needs) = (edge.source, edge.target, std::mem::take(&mut edge.needs));
+    for edge in e.edges.iter() {
+        let guard = program.term(&edge.guard, &context);
+        let actions = actions::lower(program, id, &edge.actions, &context);
+        let (source, target, needs) = (edge.source, edge.target, edge.needs.clone());
         program.entity_mut(id).edges.push(Edge { source, target, guard, actions, needs });
     }
     for follow in e.modes.iter().flat_map(|m| &m.follows) {
@@ -226,9 +226,9 @@ fn entity_code(program: &mut Program, id: EntityId, mut e: checked::Entity, brea
     });
     program.entity_mut(id).clamps = clamps.collect();
     program.entity_mut(id).invariants = e.invariants.iter().map(|i| program.term(i, &context)).collect();
-    modes(program, id, &e, &context);
-    let tables = leaves::drives(program, &e, &context);
-    let built = leaves::leaves(program, id, &e, &tables);
+    modes(program, id, e, &context);
+    let tables = leaves::drives(program, e, &context);
+    let built = leaves::leaves(program, id, e, &tables);
     let entity = program.entity_mut(id);
     entity.inputs = built.always;
     entity.free = tables.free;

@@ -71,7 +71,7 @@ impl CompletionCollector<'_> {
         let text = code.get(item.start..cursor.word.start).unwrap_or_default();
         let mut names: BTreeSet<&str> = BTreeSet::new();
         let mut last = "";
-        for token in tokens(text).iter().filter(|token| token.kind != Kind::Comment) {
+        for token in tokens(text).filter(|token| token.kind != Kind::Comment) {
             let word = token.text(text);
             // A word of the language is a name in a list.
             let is_side = Side::ALL.into_iter().any(|side| side.name() == word);
@@ -115,8 +115,7 @@ impl CompletionCollector<'_> {
         let Some(block) = cursor.enclosing(Block::Entity) else { return };
         let code: &str = self.code;
         let text = code.get(block.start..cursor.word.start).unwrap_or_default();
-        let all = tokens(text);
-        let all = all.iter().filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline));
+        let all = tokens(text).filter(|token| !matches!(token.kind, Kind::Comment | Kind::Newline));
         let words: Vec<&str> = all.map(|token| token.text(text)).collect();
         let declared: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == "mode").map(|pair| pair[1]).collect();
         // Others than those that are known, in this group or another.
@@ -152,7 +151,7 @@ impl CompletionCollector<'_> {
         let code: &str = self.code;
         let edge = cursor.blocks.last().filter(|open| open.block == Block::Updates);
         let head = edge.and_then(|edge| code.get(edge.start..cursor.word.start)).unwrap_or_default();
-        let head: Vec<&str> = tokens(head).iter().map(|token| token.text(head)).collect();
+        let head: Vec<&str> = tokens(head).map(|token| token.text(head)).collect();
         for words in [&head, &cursor.statement] {
             for pair in words.windows(2).filter(|pair| pair[0] == "as") {
                 self.add(0, pair[1], CompletionKind::Instance, "touched");

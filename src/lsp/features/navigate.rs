@@ -254,7 +254,7 @@ fn is_listed(kind: NameKind) -> bool {
 
 /// The range of the word that contains an offset, or ends there.
 pub(super) fn word_at(code: &str, byte: usize) -> Option<Range<usize>> {
-    let near = tokens(code).into_iter().filter(|token| token.kind == Kind::Word).map(|token| token.at);
+    let near = tokens(code).filter(|token| token.kind == Kind::Word).map(|token| token.at);
     let near = near.skip_while(|at| at.end < byte).take_while(|at| at.start <= byte);
     near.max_by_key(|at| at.start)
 }

@@ -53,7 +53,7 @@ pub(in crate::lsp) fn signature_help(view: &View, at: &FileOffset) -> Option<Sig
 /// The signature of a behaviour, for `use`.
 fn behavior(view: &View, path: &Path, name: &str) -> Option<CallSignature> {
     let behavior = view.programs_with(path).find_map(|state| state.current.behavior(name))?;
-    let doc = behavior.doc.unwrap_or_default();
+    let doc = behavior.doc.clone().unwrap_or_default();
     Some(signature(name, behavior.parameters.iter().map(|p| &*p.text), &doc))
 }
 

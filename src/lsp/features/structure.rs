@@ -67,7 +67,7 @@ pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<
         spans.push((pair.as_span().start(), pair.as_span().start() + inside));
     }
     // If the text does not parse, there are at least tokens.
-    spans.extend(tokens(text.code()).iter().map(|t| (t.at.start, t.at.end)));
+    spans.extend(tokens(text.code()).map(|t| (t.at.start, t.at.end)));
     spans.push((0, text.code().len()));
     let around = |byte: &usize| {
         let mut around: Vec<(usize, usize)> =

@@ -9,7 +9,7 @@ use crate::syntax::occurrence::{NameKind, Role};
 
 use crate::diagnostic::words::SIGNATURES;
 use crate::lsp::snapshot::Snapshot;
-use crate::lsp::text::lexer::{Kind, tokens};
+use crate::lsp::text::lexer::{self, Kind};
 use crate::lsp::text::words::is_keyword;
 use crate::lsp::view::View;
 
@@ -91,7 +91,7 @@ fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize
         }
     }
     let mut out = Vec::new();
-    let all = tokens(code);
+    let all: Vec<lexer::Token> = lexer::tokens(code).collect();
     for (index, token) in all.iter().enumerate() {
         if token.at.end <= bytes.start || token.at.start >= bytes.end {
             continue;

@@ -71,7 +71,8 @@ impl Context {
 /// The response with a result.
 pub(super) fn response<T: Serialize>(id: RequestId, result: Result<T, Failure>) -> Response {
     match result.map(serde_json::to_value) {
-        Ok(Ok(value)) => Response::new_ok(id, value),
+        // `Response::new_ok` would build the value again.
+        Ok(Ok(value)) => Response { id, response_result: Ok(value) },
         Ok(Err(error)) => Response::new_err(id, ErrorCode::InternalError as i32, error.to_string()),
         Err(Failure { code, message }) => Response::new_err(id, code, message),
     }

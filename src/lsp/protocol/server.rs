@@ -34,6 +34,7 @@ use super::worker::{Event, Job, Stages, Worker};
 use crate::lsp::Workspace;
 use crate::lsp::buffers::Buffers;
 use crate::lsp::documents::Documents;
+use crate::lsp::snapshot::Snapshot;
 use crate::lsp::verdicts::ask::Budget;
 use crate::lsp::verdicts::shown::Shown;
 use crate::lsp::view::{ProgramState, View};
@@ -84,6 +85,8 @@ pub struct Server {
     plays: Plays,
     /// The programs with a reported panic, until they are compiled again.
     failed: BTreeSet<PathBuf>,
+    /// Snapshots that are replaced, until what replaces them is published: they are large.
+    replaced: Vec<Arc<Snapshot>>,
     live: Live,
 }
 
@@ -150,6 +153,7 @@ impl Server {
             tasks: Tasks::new(told_sender.clone(), Arc::clone(&disk)),
             plays: Plays::new(Arc::clone(&disk), told_sender),
             failed: BTreeSet::new(),
+            replaced: Vec::new(),
             live,
         };
         server.respond(id, Ok(result));
@@ -175,7 +179,13 @@ impl Server {
                     // All waiting messages make one job.
                     let Inbox { messages, given_up } = Inbox::of(message, messages);
                     given_up.into_iter().for_each(|(id, failure)| self.respond::<()>(id, Err(failure)));
-                    for message in messages {
+                    let is_change = |message: &Message| matches!(message, Message::Notification(_));
+                    let changed = messages.iter().rposition(is_change).map_or(0, |at| at + 1);
+                    for (at, message) in messages.into_iter().enumerate() {
+                        // The worker compiles while requests are answered.
+                        if at == changed {
+                            self.submit_job();
+                        }
                         if !self.message(message) {
                             return self.has_shut_down;
                         }
@@ -186,6 +196,7 @@ impl Server {
                     // One at a time, they would wait behind the messages of one who types.
                     let count = events.len();
                     std::iter::once(event).chain(events.try_iter().take(count)).for_each(|event| self.event(event));
+                    self.replaced.clear();
                 }
                 recv(reports) -> report => {
                     let Ok(report) = report else { return false };
@@ -431,6 +442,7 @@ impl Server {
                 let is_shown = self.is_shown(&snapshot.root);
                 let old = before.as_ref().map(|state| &*state.current);
                 self.published.compiled(old, &snapshot, is_shown, self.context.client.encoding);
+                self.replaced.extend(before.as_ref().map(|state| Arc::clone(&state.current)));
                 let (last_good, ranges) = before.map_or((None, None), |state| (state.last_good, state.ranges));
                 let last_good = if snapshot.is_error_free() { Some(Arc::clone(&snapshot)) } else { last_good };
                 let state = ProgramState { current: Arc::clone(&snapshot), last_good, findings: None, ranges };

@@ -88,6 +88,8 @@ impl<'t> CursorContext<'t> {
     pub fn at(text: &'t str, byte: usize) -> Self {
         let mut cursor = CursorContext { word: byte..byte, ..CursorContext::default() };
         let mut brackets: Vec<Bracket> = Vec::new();
+        // The offset of the line that the next token begins.
+        let mut line = Some(0);
         for token in tokens(text) {
             if token.at.start >= byte {
                 break;
@@ -107,7 +109,8 @@ impl<'t> CursorContext<'t> {
                 cursor.word = at.clone();
                 break;
             }
-            cursor.consume(text, &token, &mut brackets);
+            cursor.consume(text, &token, line, &mut brackets);
+            line = (token.kind == Kind::Newline).then_some(token.at.end);
         }
         if cursor.is_line_over {
             cursor.statement.clear();
@@ -121,15 +124,13 @@ impl<'t> CursorContext<'t> {
         cursor
     }
 
-    fn consume(&mut self, text: &'t str, token: &Token, brackets: &mut Vec<Bracket>) {
+    fn consume(&mut self, text: &'t str, token: &Token, line: Option<usize>, brackets: &mut Vec<Bracket>) {
         let word = text.get(token.at.clone()).unwrap_or_default();
         let is_blank = matches!(token.kind, Kind::Newline | Kind::Comment);
         if !is_blank && std::mem::take(&mut self.is_line_over) && !goes_on(word) {
             self.statement.clear();
         }
-        let line = text.get(..token.at.start).and_then(|before| before.rfind('\n')).map_or(0, |at| at + 1);
-        let is_first = text.get(line..token.at.start).is_some_and(|before| before.trim().is_empty());
-        if is_first && brackets.is_empty() && !is_blank {
+        if let Some(line) = line.filter(|_| brackets.is_empty() && !is_blank) {
             let indent = token.at.start - line;
             // Less indentation than the head of a block: its closing brace is missing.
             while self.blocks.last().is_some_and(|open| open.indent > indent) {

@@ -148,13 +148,35 @@ impl Text {
         match range {
             Some(range) => {
                 let (a, b) = (self.whole_byte(range.start, encoding), self.whole_byte(range.end, encoding));
-                self.whole.replace_range(a.min(b)..a.max(b), text);
+                self.replace(a.min(b)..a.max(b), text);
             }
-            None => text.clone_into(&mut self.whole),
+            None => {
+                text.clone_into(&mut self.whole);
+                self.starts = line_starts(&self.whole);
+            }
         }
-        self.starts = line_starts(&self.whole);
         // An edit within a statement leaves most of the tree as it is.
         self.before = self.parsed.take().or(self.before.take());
+    }
+}
+
+impl Text {
+    /// Replaces a range of the whole text. Only the lines that it touches are looked at again.
+    fn replace(&mut self, bytes: Range<usize>, text: &str) {
+        let by = text.len() as isize - bytes.len() as isize;
+        self.whole.replace_range(bytes.clone(), text);
+        // The first line whose start, or the line feed after its carriage return, may be another.
+        let first = self.starts.partition_point(|start| (*start as usize) < bytes.start).saturating_sub(1);
+        // The first start whose line end before it is not replaced.
+        let last = self.starts.partition_point(|start| *start as usize <= bytes.end);
+        let from = self.starts.get(first).map_or(0, |start| *start as usize);
+        let moved = |start: &u32| (*start as usize).saturating_add_signed(by);
+        let to = self.starts.get(last).map_or(self.whole.len(), moved);
+        let tail = self.starts.split_off(last).iter().map(|start| moved(start) as u32).collect::<Vec<u32>>();
+        self.starts.truncate(first);
+        let inside = line_starts(self.whole.get(from..to).unwrap_or_default());
+        self.starts.extend(inside.iter().map(|start| from as u32 + start).filter(|start| tail.first() != Some(start)));
+        self.starts.extend(tail);
     }
 }
 
@@ -203,6 +225,19 @@ mod tests {
         assert_eq!(text.code(), "ab\n");
         assert_eq!(text.position(0, Encoding::Utf16), at(0, 1));
         assert_eq!(text.byte(at(0, 2), Encoding::Utf16), 1);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn lines_after_a_change_are_those_of_the_whole_text(
+            text in "[a\r\n]{0,12}", new in "[b\r\n]{0,4}", from in 0..13usize, length in 0..13usize,
+        ) {
+            let mut changed = Text::new(text.as_str());
+            let from = from.min(text.len());
+            changed.replace(from..(from + length).min(text.len()), &new);
+            let again = Text::new(changed.whole());
+            proptest::prop_assert_eq!(changed.starts, again.starts, "{:?}", again.whole);
+        }
     }
 
     #[test]

@@ -57,39 +57,70 @@ pub(in crate::lsp) fn continues_name(c: char) -> bool {
 }
 
 /// All tokens of a text, without white space other than line feeds.
-pub(in crate::lsp) fn tokens(text: &str) -> Vec<Token> {
-    let mut out: Vec<Token> = Vec::new();
-    let mut at = 0;
-    while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
-        let Some(first) = rest.chars().next() else { break };
-        let while_all = |test: &dyn Fn(char) -> bool| rest.find(|c| !test(c)).unwrap_or(rest.len());
-        let line = rest.find(['\n', '\r']).unwrap_or(rest.len());
-        let follows_word = out.last().is_some_and(|t| t.kind == Kind::Word && t.at.end == at);
+pub(in crate::lsp) fn tokens(text: &str) -> Tokens<'_> {
+    Tokens { text, at: 0, word_end: None }
+}
+
+/// The tokens of a text, one after the other: who needs those before a cursor does not wait for the rest.
+#[derive(Debug, Clone)]
+pub(in crate::lsp) struct Tokens<'t> {
+    text: &'t str,
+    at: usize,
+    /// The end of the last token, if it was a word.
+    word_end: Option<usize>,
+}
+
+impl Iterator for Tokens<'_> {
+    type Item = Token;
+
+    fn next(&mut self) -> Option<Token> {
+        let bytes = self.text.as_bytes();
+        while let Some(b' ' | b'\t' | b'\r') = bytes.get(self.at) {
+            self.at += 1;
+        }
+        let mut rest = self.text.get(self.at..)?;
+        let mut first = rest.chars().next()?;
+        while first != '\n' && first.is_whitespace() {
+            self.at += first.len_utf8();
+            rest = self.text.get(self.at..)?;
+            first = rest.chars().next()?;
+        }
+        let line = || rest.find(['\n', '\r']).unwrap_or(rest.len());
         let (kind, length) = match first {
             '\n' => (Kind::Newline, 1),
-            c if c.is_whitespace() => {
-                at += c.len_utf8();
-                continue;
+            '/' if rest.starts_with("//") => (Kind::Comment, line()),
+            '"' => (Kind::Text, quoted(rest, line())),
+            '\'' if self.word_end == Some(self.at) => {
+                (Kind::Primes, rest.bytes().take_while(|byte| *byte == b'\'').count())
             }
-            '/' if rest.starts_with("//") => (Kind::Comment, line),
-            '"' => (Kind::Text, quoted(rest, line)),
-            '\'' if follows_word => (Kind::Primes, while_all(&|c| c == '\'')),
             '\'' => match rest.char_indices().nth(2) {
-                Some((second, '\'')) if second <= line => (Kind::Tile, second + 1),
+                Some((second, '\'')) if !rest.get(..second).is_some_and(|tile| tile.contains(['\n', '\r'])) => {
+                    (Kind::Tile, second + 1)
+                }
                 _ => (Kind::Symbol, 1),
             },
-            c if starts_name(c) => (Kind::Word, while_all(&continues_name)),
+            c if starts_name(c) => (Kind::Word, word(rest)),
             c if c.is_ascii_digit() => (Kind::Number, number(rest)),
-            _ => {
-                let two =
-                    [":=", "+=", "-=", "->", "==", "!=", "<=", ">=", ".."].iter().find(|op| rest.starts_with(**op));
-                (Kind::Symbol, two.map_or(first.len_utf8(), |op| op.len()))
+            c => {
+                let two = [b":=", b"+=", b"-=", b"->", b"==", b"!=", b"<=", b">=", b".."];
+                let is_two = rest.as_bytes().get(..2).is_some_and(|start| two.iter().any(|op| start == *op));
+                (Kind::Symbol, if is_two { 2 } else { c.len_utf8() })
             }
         };
-        out.push(Token { kind, at: at..at + length });
-        at += length;
+        let at = self.at..self.at + length;
+        self.at = at.end;
+        self.word_end = (kind == Kind::Word).then_some(at.end);
+        Some(Token { kind, at })
     }
-    out
+}
+
+/// The length of a word. Almost all are ASCII.
+fn word(rest: &str) -> usize {
+    let ascii = rest.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+    match rest.as_bytes().get(ascii) {
+        Some(byte) if !byte.is_ascii() => rest.find(|c| !continues_name(c)).unwrap_or(rest.len()),
+        _ => ascii,
+    }
 }
 
 /// The length of a quoted string. It ends in its line, unless that line holds at most a comment, as in maps.
@@ -120,7 +151,7 @@ mod tests {
     use super::*;
 
     fn words(text: &str) -> Vec<&str> {
-        tokens(text).iter().map(|t| t.text(text)).collect()
+        tokens(text).map(|t| t.text(text)).collect()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! that a block or an argument list assigns.
 
 use super::cursor::{Block, CursorContext};
-use super::lexer::{Kind, starts_name, tokens};
+use super::lexer::{Kind, Token, starts_name, tokens};
 use super::words::is_keyword;
 
 /// Whether an operand ends before the cursor, so that an operator or a keyword must follow.
@@ -111,7 +111,7 @@ fn after_claim(cursor: &CursorContext<'_>, joined: &'static [&'static str]) -> &
 
 /// The names that are assigned between the brackets around an offset. Unclosed parentheses end with the line.
 pub(in crate::lsp) fn assigned_names<'t>(code: &'t str, byte: usize, opening: &str) -> Vec<&'t str> {
-    let all = tokens(code);
+    let all: Vec<Token> = tokens(code).collect();
     let here = all.partition_point(|token| token.at.start < byte);
     let text = |at: usize| all.get(at).map_or("", |token| token.text(code));
     let closing = if opening == "(" { ")" } else { "}" };

@@ -74,6 +74,9 @@ fn deep_and_long_programs_get_an_answer() {
         ("open_modes", format!("entity A {{ {}", times("mode a {\n", deep)), "E0004"),
         ("nots", format!("entity A {{ mode a {{ when {} true -> a }} }}\n", times("not ", deep)), "E0005"),
         ("terms", format!("const a = 1{}\n", times(" + 1", 1_000_000)), "E0005"),
+        ("lines", format!("const a = 1{}\n", times("\n+ 1", 1_000_000)), "E0005"),
+        ("products", format!("const a = 1{}\n", times("\n* 1", 1_000_000)), "E0005"),
+        ("comparisons", format!("const a = 1{}\n", times("\n== 1", 1_000_000)), "E0005"),
         ("negations", format!("const a = {}1\n", times("-", deep)), "E0005"),
         ("name", format!("const {} = 1\n", times("a", 1_000_000)), "E0003"),
     ];

@@ -226,7 +226,10 @@ impl<'a> Scanner<'a> {
         let rest = &self.bytes[i..];
         let word = word_length(rest);
         let is_word = |w: &str| word == w.len() && rest.starts_with(w.as_bytes());
-        let joins = is_word("and") || is_word("or") || rest.starts_with(b"->") || rest[0] == b'{';
+        // A line that begins with an operator goes on with the expression before, as `infix` in the grammar says.
+        let is_operator = matches!(rest[0], b'+' | b'-' | b'*' | b'/' | b'<' | b'>')
+            || [b"==", b"!="].iter().any(|operator| rest.starts_with(*operator));
+        let joins = is_word("and") || is_word("or") || is_operator || rest[0] == b'{';
         let inside = self.parens.last().is_some_and(|&p| p > 0);
         if self.newline && !inside && !self.continues && !joins {
             self.operators = 0;

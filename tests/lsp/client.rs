@@ -1,14 +1,15 @@
-//! An editor for tests: it talks to a server over channels, keeps the texts as an editor does, and what is shown.
+//! An editor for tests: it talks to a server over streams of bytes, as editors do, keeps the texts as an editor does, and what is shown.
 
 #![allow(dead_code, reason = "not every user needs all of it")]
 
 use std::collections::BTreeMap;
+use std::io::{BufReader, pipe};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use hypedc::lsp::{Server, Settings, Workspace};
+use hypedc::lsp::{Server, Settings, Transport, Workspace};
 use hypedc::source::{Files, ReadError, decode};
 use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
@@ -78,7 +79,10 @@ impl Client {
 
     /// An editor whose server waits before it analyses, as its settings say.
     pub fn start_patient(disk: Arc<dyn Workspace>, capabilities: Value, options: Value, settings: Settings) -> Self {
-        let (ours, theirs) = Connection::memory();
+        let ([to_server, to_client], report) = ([(); 2].map(|()| pipe().unwrap()), |_: &str| {});
+        // Both ends read and write as the server does; their threads end with the streams.
+        let (ours, _) = Transport::start(BufReader::new(to_client.0), to_server.1, report);
+        let (theirs, _) = Transport::start(BufReader::new(to_server.0), to_client.1, report);
         let server = std::thread::spawn(move || Server::serve(theirs, disk, settings));
         let mut client = Client {
             connection: ours,

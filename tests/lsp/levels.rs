@@ -126,6 +126,11 @@ fn a_level_of_an_open_map_is_chosen_once() {
     assert!(chosen[2].0.starts_with("✓ "), "{chosen:?}");
     assert_eq!(chosen[3], lens("▶ search for this goal", json!([file, "W", "over", level])));
 
+    // A command need not name the world.
+    let arguments = json!({ "uri": file, "inputs": "" });
+    let ran = client.request("workspace/executeCommand", json!({ "command": "hypedc.sim", "arguments": [arguments] }));
+    assert!(ran.is_ok(), "{ran:?}");
+
     choose(&mut client, json!({ "map": "file:///game/shut.txt" }));
     client.asked();
     let chosen = commands(&mut client);

@@ -129,7 +129,7 @@ fn program(arguments: Value, chosen: &Shown) -> Result<(Program, Map<String, Val
         None | Some(Value::Null) => None,
         Some(_) => return Err("`level` is no level".to_string()),
     };
-    let level = level.or_else(|| chosen.level(&path, world.as_deref()?).cloned());
+    let level = level.or_else(|| chosen.level(&path, world.as_deref()).cloned());
     let set = rest.remove("set").map(serde_json::from_value::<Vec<String>>).transpose();
     let set = set.map_err(|error| format!("`set`: {error}"))?.unwrap_or_default();
     Ok((Program { path, world, level, set }, rest))

@@ -97,7 +97,7 @@ pub(super) fn levels(shown: &Shown, (root, world): (&Path, &str), is_open: bool,
     };
     json!({
         "isOpen": is_open,
-        "chosen": shown.level(root, world).map(level_json),
+        "chosen": shown.level(root, Some(world)).map(level_json),
         "levels": found.into_iter().map(level).collect::<Vec<Value>>(),
     })
 }

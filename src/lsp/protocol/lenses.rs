@@ -26,7 +26,7 @@ pub(super) fn lenses(context: &Context, path: &std::path::Path, document: &Docum
                 add("▶ simulate".into(), "hypedc.sim", vec![json!(uri), json!(world)]);
             }
             LensCommand::Simulate { world, is_open: true } => {
-                let level = context.verdicts.level(path, &world);
+                let level = context.verdicts.level(path, Some(&world));
                 let name = level.map(|level| level.name(path));
                 add(
                     "▶ simulate".into(),
@@ -70,5 +70,5 @@ pub(super) fn lenses(context: &Context, path: &std::path::Path, document: &Docum
 
 /// The level of a command about a world with an open map: as it was chosen, or `"ask"`.
 fn level_argument(context: &Context, path: &std::path::Path, world: &str) -> Value {
-    context.verdicts.level(path, world).map_or(json!("ask"), level_json)
+    context.verdicts.level(path, Some(world)).map_or(json!("ask"), level_json)
 }

@@ -216,7 +216,7 @@ fn answer(context: &mut Context, id: RequestId, (errand, newest): (&PendingErran
             response(id, Ok(shown))
         }
         Brought::WayTo(verdict) => {
-            let level = context.verdicts.level(&errand.root, &errand.world);
+            let level = context.verdicts.level(&errand.root, Some(&errand.world));
             response(id, Ok(painting::way_to(&verdict, level)))
         }
         Brought::Refused(why) => response::<()>(id, Err(Failure::new(ErrorCode::RequestFailed, why))),

@@ -4,7 +4,7 @@
 use std::io::{self, BufRead, Read, Write};
 use std::thread::{self, JoinHandle};
 
-use crossbeam_channel::{Sender, bounded, select};
+use crossbeam_channel::{Sender, bounded, select, unbounded};
 use lsp_server::{Connection, ErrorCode, Message};
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ impl Transport {
         mut output: impl Write + Send + 'static,
         mut report: impl FnMut(&str) + Send + 'static,
     ) -> (Connection, Transport) {
-        let (sender, outgoing) = bounded::<Message>(0);
+        let (sender, outgoing) = unbounded::<Message>();
         let (refuse, refusals) = bounded::<Value>(0);
         let writer = thread::spawn(move || {
             let mut refusals = refusals;
@@ -45,7 +45,8 @@ impl Transport {
                 }
             }
         });
-        let (incoming, receiver) = bounded(0);
+        // All that has come is read at once: what a later message makes void need not be begun.
+        let (incoming, receiver) = unbounded();
         let reader = thread::spawn(move || read(&mut input, &incoming, &refuse, &mut report));
         (Connection { sender, receiver }, Transport { reader, writer })
     }
@@ -218,6 +219,15 @@ mod tests {
             assert_eq!(methods, ["hover"], "after {shown:?}");
             assert!(written.contains(answer), "{shown:?}: {written}");
         }
+    }
+
+    /// What a later message makes void can be given up only if the later one is read before the earlier one is done.
+    #[test]
+    fn messages_are_read_before_the_server_takes_them() {
+        let one = framed(r#"{"jsonrpc":"2.0","id":1,"method":"hover","params":{}}"#);
+        let (connection, transport) = Transport::start(Cursor::new(one.repeat(100)), Shared::default(), |_| {});
+        transport.reader.join().unwrap().unwrap();
+        assert_eq!(connection.receiver.len(), 100);
     }
 
     #[test]

@@ -46,6 +46,8 @@ pub(in crate::lsp) struct Text {
     whole: String,
     /// The offset of each line.
     starts: Vec<u32>,
+    /// Whether a column is a number of bytes in any encoding: a long line need not be read for it.
+    is_ascii: bool,
     parsed: OnceLock<Arc<Parsed>>,
     /// The text before the last changes.
     before: Option<Arc<Parsed>>,
@@ -65,8 +67,8 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 impl Text {
     pub fn new(whole: impl Into<String>) -> Self {
         let whole = whole.into();
-        let starts = line_starts(&whole);
-        Text { whole, starts, parsed: OnceLock::new(), before: None }
+        let (starts, is_ascii) = (line_starts(&whole), whole.is_ascii());
+        Text { whole, starts, is_ascii, parsed: OnceLock::new(), before: None }
     }
 
     /// Another text, most of which is probably the same.
@@ -108,7 +110,7 @@ impl Text {
         let line = self.starts.partition_point(|&start| start as usize <= byte).saturating_sub(1);
         let start = self.starts.get(line).map_or(0, |&s| s as usize);
         let before = self.whole.get(start..byte).unwrap_or_default();
-        let column = if encoding == Encoding::Utf8 || before.is_ascii() {
+        let column = if encoding == Encoding::Utf8 || self.is_ascii || before.is_ascii() {
             before.len() as u32
         } else {
             before.chars().map(|c| encoding.width(c)).sum()
@@ -131,6 +133,9 @@ impl Text {
         let Some(&start) = self.starts.get(position.line as usize) else { return self.whole.len() };
         let end = self.starts.get(position.line as usize + 1).map_or(self.whole.len(), |&e| e as usize);
         let line = self.whole.get(start as usize..end).unwrap_or_default().trim_end_matches(['\n', '\r']);
+        if self.is_ascii {
+            return start as usize + line.len().min(position.column as usize);
+        }
         let mut left = position.column;
         for (at, c) in line.char_indices() {
             let width = encoding.width(c);
@@ -155,6 +160,7 @@ impl Text {
                 self.starts = line_starts(&self.whole);
             }
         }
+        self.is_ascii = self.whole.is_ascii();
         // An edit within a statement leaves most of the tree as it is.
         self.before = self.parsed.take().or(self.before.take());
     }

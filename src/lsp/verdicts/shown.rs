@@ -59,9 +59,13 @@ impl Shown {
         self.programs.get(root)
     }
 
-    /// The level that was chosen for the open map of a world.
-    pub fn level(&self, root: &Path, world: &str) -> Option<&ChosenLevel> {
-        self.programs.get(root)?.levels.get(world)
+    /// The level that was chosen for the open map of a world; without a world, of the only one for which one was chosen.
+    pub fn level(&self, root: &Path, world: Option<&str>) -> Option<&ChosenLevel> {
+        let levels = &self.programs.get(root)?.levels;
+        match world {
+            Some(world) => levels.get(world),
+            None => levels.values().next().filter(|_| levels.len() == 1),
+        }
     }
 
     /// The verdict of a goal or a `never`.

@@ -181,6 +181,7 @@ impl Creation<'_> {
                 out.push(self.add(BlockKind::Entity, format!("discrete {bare}: bool = false")));
                 if !kind.starts_with("continuous") {
                     out.push(self.constant(bare));
+                    out.push(self.add(BlockKind::Entity, format!("axis {bare}")));
                 }
             }
             _ if has("constant") => out.push(self.constant(name)),

@@ -167,6 +167,15 @@ fn an_edit_of_the_chosen_level_is_asked_about() {
     assert!(after.starts_with("✗ proven: "), "{after}");
     let broken = |client: &Client| client.shown[&uri("a.hyped")].to_string().contains("broken-goal");
     assert!(broken(&client));
+    // A level that can no longer be the map is a finding, until it can.
+    let misfit = |client: &Client| client.shown[&uri("a.hyped")].to_string();
+    client.change(&uri("level.txt"), json!([{ "text": "...Z..\n######\n" }]));
+    client.asked();
+    let found = misfit(&client);
+    assert!(found.contains("level-misfit") && found.contains("`level.txt` does not fit `W`: "), "{found}");
+    client.change(&uri("level.txt"), json!([{ "text": "..#...\n######\n" }]));
+    client.asked();
+    assert!(!misfit(&client).contains("level-misfit"));
     // While the level is another one, nothing is claimed.
     client.change(&uri("level.txt"), json!([{ "text": "......\n######\n" }]));
     title(&mut client);

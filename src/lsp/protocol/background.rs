@@ -17,7 +17,7 @@ use crate::lsp::buffers::Buffers;
 use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::verdicts::ask::{Asked, Budget, Subject, ask_world};
-use crate::lsp::verdicts::level::{Candidate, ChosenLevel, candidates};
+use crate::lsp::verdicts::level::{Candidate, ChosenLevel, candidates, misfit};
 use crate::lsp::verdicts::memory::Memory;
 use crate::lsp::verdicts::paint::{Canvas, Painted, TilePlace};
 use crate::lsp::verdicts::verdict::{Question, Verdict};
@@ -92,6 +92,8 @@ pub(super) enum Report {
     Levels(PathBuf, BTreeMap<String, ChosenLevel>),
     /// Verdicts about a program, as of a revision; and the files that were read besides those of the snapshot.
     Asked { revision: u64, snapshot: Arc<Snapshot>, read: BTreeSet<PathBuf>, asked: Vec<Asked> },
+    /// The level that was chosen for a world of a program cannot be its map, as of a revision: why.
+    Misfit { revision: u64, snapshot: Arc<Snapshot>, read: BTreeSet<PathBuf>, world: String, why: String },
     /// All questions of all open programs are asked as of a revision.
     AllAsked(u64),
     /// The answer of an errand.
@@ -243,7 +245,12 @@ impl Background {
             }
             let Some(level) = known.memory.levels.get(&table.name).cloned() else { continue };
             let (compilation, read) = Snapshot::with_level(&snapshot.root, level.file(), (&job.open, &*self.disk));
-            let Some(program) = &compilation.program else { continue };
+            let Some(program) = &compilation.program else {
+                let (snapshot, world, why) = (Arc::clone(snapshot), table.name.clone(), misfit(&compilation));
+                let why = why.unwrap_or_default();
+                self.send(Report::Misfit { revision: job.revision, snapshot, read, world, why });
+                continue;
+            };
             let Some(world) = program.world_named(&table.name) else { continue };
             let name = level.name(&snapshot.root);
             let subject = Subject { program, sources: &compilation.sources, world, level: &name };

@@ -1,5 +1,5 @@
 //! Findings of the verdicts: an edit has broken what was so before. A warning only if that is a fact: proven, or shown
-//! by inputs that were replayed.
+//! by inputs that were replayed. Beside them, levels that were chosen and do not fit.
 
 use std::path::Path;
 
@@ -8,8 +8,11 @@ use serde_json::json;
 
 use super::extensions::range;
 use super::findings::ByDocument;
+use super::positions;
 use super::uri::uri_of;
+use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Encoding;
+use crate::lsp::verdicts::level::ChosenLevel;
 use crate::lsp::verdicts::shown::{ShownProgram, ShownVerdict};
 use crate::reach::Conclusion;
 use crate::reach::query::Kind;
@@ -20,11 +23,38 @@ pub(super) fn findings(root: &Path, program: &ShownProgram, encoding: Encoding) 
     let Some(about) = &program.about else { return out };
     let uri = about.document(root).map_or_else(|| uri_of(root).0, |document| document.uri.clone());
     let found = program.verdicts.iter().filter(|shown| shown.is_current);
-    let found: Vec<Diagnostic> = found.filter_map(|shown| finding(program, shown, encoding)).collect();
+    let mut found: Vec<Diagnostic> = found.filter_map(|shown| finding(program, shown, encoding)).collect();
+    let misfits = program.misfits.iter();
+    found.extend(
+        misfits.filter_map(|(world, why)| misfit((root, about), program.levels.get(world)?, world, why, encoding)),
+    );
     if !found.is_empty() {
         out.insert(uri, found);
     }
     out
+}
+
+/// The level that was chosen for a world cannot be its map.
+fn misfit(
+    (root, about): (&Path, &Snapshot),
+    level: &ChosenLevel,
+    world: &str,
+    why: &str,
+    encoding: Encoding,
+) -> Option<Diagnostic> {
+    let program = about.ide.compilation.program.as_ref()?;
+    let span = program.spans.worlds[program.world_named(world)?].name;
+    Some(Diagnostic {
+        range: positions::range(&about.text(span.file()), &span.range(), encoding),
+        severity: Some(DiagnosticSeverity::Warning),
+        code: Some(Code::String("level-misfit".into())),
+        code_description: None,
+        source: Some("hypedc".into()),
+        message: format!("the chosen level `{}` does not fit `{world}`: {why}", level.name(root)).into(),
+        tags: None,
+        related_information: None,
+        data: Some(json!({ "world": world })),
+    })
 }
 
 fn finding(program: &ShownProgram, shown: &ShownVerdict, encoding: Encoding) -> Option<Diagnostic> {

@@ -145,6 +145,12 @@ impl Live {
                     context.verdicts.asked(&snapshot, &read, asked);
                 }
             }
+            Report::Misfit { revision: of, snapshot, read, world, why } => {
+                if self.is_on && is_true(context, &snapshot, (of, revision)) {
+                    effects.shown.insert(snapshot.root.clone());
+                    context.verdicts.misfit(&snapshot, read, world, why);
+                }
+            }
             Report::AllAsked(of) => {
                 if of == revision {
                     self.asked = Some(of);

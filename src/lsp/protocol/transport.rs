@@ -5,7 +5,8 @@ use std::io::{self, BufRead, Read, Write};
 use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Sender, bounded, select, unbounded};
-use lsp_server::{Connection, ErrorCode, Message};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestId, Response, ResponseError};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Maximum size of a message, bytes. What claims to be longer is not a message.
@@ -33,12 +34,11 @@ impl Transport {
             loop {
                 select! {
                     recv(outgoing) -> message => match message {
-                        Ok(message) => message.write(&mut output)?,
+                        Ok(message) => write(&mut output, &Written::from(&message))?,
                         Err(_) => return Ok(()),
                     },
                     recv(refusals) -> answer => match answer {
-                        Ok(answer) => write!(output, "Content-Length: {}\r\n\r\n{answer}", answer.to_string().len())
-                            .and_then(|()| output.flush())?,
+                        Ok(answer) => write(&mut output, &answer)?,
                         // The reader has ended, the server not yet.
                         Err(_) => refusals = crossbeam_channel::never(),
                     },
@@ -63,6 +63,74 @@ impl Transport {
     }
 }
 
+/// A message as it is written. `Message` itself is serialized through a copy of all its values.
+#[derive(Serialize, Default)]
+struct Written<'m> {
+    jsonrpc: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<&'m RequestId>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    method: Option<&'m str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    params: Option<&'m Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    result: Option<&'m Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<&'m ResponseError>,
+}
+
+impl<'m> From<&'m Message> for Written<'m> {
+    fn from(message: &'m Message) -> Self {
+        let params = |params: &'m Value| Some(params).filter(|params| !params.is_null());
+        let empty = Written { jsonrpc: "2.0", ..Written::default() };
+        match message {
+            Message::Request(of) => {
+                Written { id: Some(&of.id), method: Some(&of.method), params: params(&of.params), ..empty }
+            }
+            Message::Notification(of) => Written { method: Some(&of.method), params: params(&of.params), ..empty },
+            Message::Response(Response { id, response_result }) => Written {
+                id: Some(id),
+                result: response_result.as_ref().ok(),
+                error: response_result.as_ref().err(),
+                ..empty
+            },
+        }
+    }
+}
+
+fn write(output: &mut dyn Write, message: &impl Serialize) -> io::Result<()> {
+    let body = serde_json::to_vec(message)?;
+    write!(output, "Content-Length: {}\r\n\r\n", body.len())?;
+    output.write_all(&body)?;
+    output.flush()
+}
+
+/// A message of its JSON; `None` if it is none.
+fn message(json: Value) -> Option<Message> {
+    let Value::Object(mut fields) = json else { return None };
+    let id = fields.remove("id").filter(|id| !id.is_null()).map(serde_json::from_value::<RequestId>);
+    let id = id.transpose().ok()?;
+    match (id, fields.remove("method")) {
+        (id, Some(Value::String(method))) => {
+            let params = fields.remove("params").unwrap_or_default();
+            Some(match id {
+                Some(id) => Request { id, method, params }.into(),
+                None => Notification { method, params }.into(),
+            })
+        }
+        (Some(id), None) => {
+            let response_result =
+                match (fields.remove("error").filter(|error| !error.is_null()), fields.remove("result")) {
+                    (Some(error), _) => Err(serde_json::from_value(error).ok()?),
+                    (None, Some(result)) => Ok(result),
+                    (None, None) => return None,
+                };
+            Some(Response { id, response_result }.into())
+        }
+        _ => None,
+    }
+}
+
 /// Reads messages until `exit`, the end of the stream, or the end of the server.
 fn read(
     input: &mut dyn BufRead,
@@ -76,19 +144,17 @@ fn read(
             return Ok(());
         }
         let text = String::from_utf8_lossy(&bytes);
-        let message = match serde_json::from_str::<Message>(&text) {
-            Ok(message) => message,
-            Err(_) => match serde_json::from_str::<Message>(&without_lone_surrogates(&text)) {
-                Ok(message) => message,
-                Err(_) => {
-                    let answer = refusal(&text);
-                    report(answer["error"]["message"].as_str().unwrap_or_default());
-                    if refuse.send(answer).is_err() {
-                        return Ok(());
-                    }
-                    continue;
+        let json = serde_json::from_str(&text).or_else(|_| serde_json::from_str(&without_lone_surrogates(&text)));
+        let message = match json.ok().and_then(message) {
+            Some(message) => message,
+            None => {
+                let answer = refusal(&text);
+                report(answer["error"]["message"].as_str().unwrap_or_default());
+                if refuse.send(answer).is_err() {
+                    return Ok(());
                 }
-            },
+                continue;
+            }
         };
         let is_exit = matches!(&message, Message::Notification(notification) if notification.method == "exit");
         if incoming.send(message).is_err() || is_exit {
@@ -228,6 +294,33 @@ mod tests {
         let (connection, transport) = Transport::start(Cursor::new(one.repeat(100)), Shared::default(), |_| {});
         transport.reader.join().unwrap().unwrap();
         assert_eq!(connection.receiver.len(), 100);
+    }
+
+    #[test]
+    fn messages_are_written_as_the_protocol_says_and_read_again() {
+        let id = || RequestId::from("a".to_string());
+        let messages: [Message; 6] = [
+            Request { id: 3.into(), method: "m".into(), params: json!({ "a": [1] }) }.into(),
+            Request { id: id(), method: "m".into(), params: Value::Null }.into(),
+            Notification { method: "n".into(), params: json!({}) }.into(),
+            Response { id: id(), response_result: Ok(Value::Null) }.into(),
+            Response { id: 4.into(), response_result: Ok(json!("é")) }.into(),
+            Response::new_err(5.into(), -32600, "no".into()).into(),
+        ];
+        for sent in messages {
+            let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+            write(&mut ours, &Written::from(&sent)).unwrap();
+            sent.write(&mut theirs).unwrap();
+            let body = |bytes: &[u8]| -> Value {
+                let text = std::str::from_utf8(bytes).unwrap();
+                let (length, body) = text.strip_prefix("Content-Length: ").unwrap().split_once("\r\n\r\n").unwrap();
+                assert_eq!(length.parse(), Ok(body.len()));
+                serde_json::from_str(body).unwrap()
+            };
+            assert_eq!(body(&ours), body(&theirs));
+            let read = message(body(&ours)).unwrap();
+            assert_eq!(format!("{read:?}"), format!("{sent:?}"));
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::compile::LevelFile;
+use crate::compile::{Compilation, LevelFile};
 use crate::diagnostic::Severity;
 use crate::level::{Format, level_names};
 use crate::lsp::Workspace;
@@ -59,6 +59,12 @@ pub(in crate::lsp) struct Candidate {
     pub misfit: Option<String>,
 }
 
+/// Why a program cannot be compiled with a level; `None` if it can.
+pub(in crate::lsp) fn misfit(compilation: &Compilation) -> Option<String> {
+    let error = compilation.diagnostics.iter().find(|found| found.severity == Severity::Error);
+    error.map(|error| error.message.clone())
+}
+
 /// The files near a program that may be levels of its open maps, those that fit first. `None` if the watch stops it.
 pub(in crate::lsp) fn candidates(
     root: &Path,
@@ -87,8 +93,7 @@ pub(in crate::lsp) fn candidates(
             return None;
         }
         let (compilation, _) = Snapshot::with_level(root, LevelFile::new(&map), (open, disk));
-        let error = compilation.diagnostics.iter().find(|found| found.severity == Severity::Error);
-        let misfit = error.map(|error| error.message.clone());
+        let misfit = misfit(&compilation);
         found.push(Candidate { name: name_beside(root, &map), map, misfit });
     }
     // The order of names is kept.

@@ -24,6 +24,8 @@ pub(in crate::lsp) struct ShownProgram {
     pub about: Option<Arc<Snapshot>>,
     /// The level of each world with an open map.
     pub levels: BTreeMap<String, ChosenLevel>,
+    /// By world: why its level cannot be its map.
+    pub misfits: BTreeMap<String, String>,
     pub verdicts: Vec<ShownVerdict>,
     /// The files of its levels.
     read: BTreeSet<PathBuf>,
@@ -92,6 +94,7 @@ impl Shown {
     pub fn chosen(&mut self, root: &Path, levels: BTreeMap<String, ChosenLevel>) {
         let program = self.programs.entry(root.to_path_buf()).or_default();
         program.levels = levels;
+        program.misfits.clear();
         let names: BTreeMap<String, String> =
             program.levels.iter().map(|(world, level)| (world.clone(), level.name(root))).collect();
         program.verdicts.retain(|shown| {
@@ -111,6 +114,14 @@ impl Shown {
             program.verdicts.retain(|shown| !is_same(&shown.asked.question));
             program.verdicts.push(ShownVerdict { asked, is_current: true });
         }
+    }
+
+    /// The level of a world of a program cannot be its map.
+    pub fn misfit(&mut self, snapshot: &Arc<Snapshot>, read: BTreeSet<PathBuf>, world: String, why: String) {
+        let program = self.programs.entry(snapshot.root.clone()).or_default();
+        program.about = Some(Arc::clone(snapshot));
+        program.read.extend(read);
+        program.misfits.insert(world, why);
     }
 
     /// All questions of some programs were asked: other verdicts are dropped, as their goals are gone. Returns the
@@ -143,7 +154,7 @@ impl Shown {
             if !is_read && program.read.is_disjoint(paths) {
                 continue;
             }
-            let mut was_current = false;
+            let mut was_current = !std::mem::take(&mut program.misfits).is_empty();
             for shown in &mut program.verdicts {
                 was_current |= std::mem::take(&mut shown.is_current);
             }
@@ -159,6 +170,7 @@ impl Shown {
         let mut gone = Vec::new();
         for (root, program) in self.programs.iter_mut().filter(|(root, _)| !is_kept(root)) {
             program.about = None;
+            program.misfits.clear();
             if !std::mem::take(&mut program.verdicts).is_empty() {
                 gone.push(root.clone());
             }

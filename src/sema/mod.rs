@@ -129,7 +129,7 @@ pub fn check(
 #[derive(Default)]
 struct Items {
     /// Per file.
-    constants: Vec<Vec<Box<ast::Constant>>>,
+    constants: Vec<Vec<Arc<ast::Constant>>>,
     entities: Vec<Arc<ast::Entity>>,
     worlds: Vec<Arc<ast::World>>,
 }

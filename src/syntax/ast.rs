@@ -43,7 +43,7 @@ pub enum Item {
     /// `import "path"`
     Import(Import),
     /// `const name = expression`
-    Constant(Box<Constant>),
+    Constant(Arc<Constant>),
     /// `entity Name { … }`
     Entity(Arc<Entity>),
     /// `behavior Name(parameters) { … }`

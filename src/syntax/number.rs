@@ -70,7 +70,7 @@ pub(crate) fn set_number(file: &mut File, path: &str, value: &Expr) -> bool {
     };
     for item in &mut file.items {
         match (item, entity) {
-            (Item::Constant(constant), None) => set(constant),
+            (Item::Constant(constant), None) => set(Arc::make_mut(constant)),
             (Item::Entity(of), Some(entity)) if &*of.name.text == entity => {
                 for member in &mut Arc::make_mut(of).members {
                     if let Member::Parameter(parameter) = member {

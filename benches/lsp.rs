@@ -1,4 +1,4 @@
-//! Latency of the language server in programs of 200, 2,000 and 20,000 lines, over a connection in memory: from a key to
+//! Latency of the language server in programs of 200, 2,000 and 20,000 lines, over pipes in one process: from a key to
 //! its findings and to its completions, and of a hover; for single keys, and while a line is typed every 25 ms with all
 //! requests that an editor sends. `cargo bench --bench lsp` prints medians and 95th percentiles; with a number, as in
 //! `cargo bench --bench lsp -- 20000`, for a program of so many lines alone.

@@ -134,11 +134,6 @@ impl Term {
             _ => &[],
         }
     }
-
-    /// Takes the term, leaving a placeholder.
-    pub fn take(&mut self) -> Term {
-        Term { kind: std::mem::replace(&mut self.kind, TermKind::NoneRef), ty: self.ty, span: self.span }
-    }
 }
 
 /// The operation of a term. There are many of them, so rare or large parts are boxed.

@@ -227,9 +227,8 @@ impl<'a> Scanner<'a> {
         let word = word_length(rest);
         let is_word = |w: &str| word == w.len() && rest.starts_with(w.as_bytes());
         // A line that begins with an operator goes on with the expression before, as `infix` in the grammar says.
-        let is_operator = matches!(rest[0], b'+' | b'-' | b'*' | b'/' | b'<' | b'>')
-            || [b"==", b"!="].iter().any(|operator| rest.starts_with(*operator));
-        let joins = is_word("and") || is_word("or") || is_operator || rest[0] == b'{';
+        // A line that begins with an operator or an arrow goes on with what is before, as the grammar says.
+        let joins = is_word("and") || is_word("or") || operator_length(rest) > 0 || rest[0] == b'{';
         let inside = self.parens.last().is_some_and(|&p| p > 0);
         if self.newline && !inside && !self.continues && !joins {
             self.operators = 0;
@@ -317,14 +316,11 @@ impl<'a> Scanner<'a> {
                 self.continues = true;
                 i + 2
             }
-            b'+' | b'-' | b'*' | b'/' | b'<' | b'>' => self.operator(i, 1),
-            b'=' | b'!' | b':' if rest.get(1) == Some(&b'=') => {
-                if rest[0] == b':' {
-                    self.continues = true;
-                    return i + 2;
-                }
-                self.operator(i, 2)
+            b':' if rest.starts_with(b":=") => {
+                self.continues = true;
+                i + 2
             }
+            _ if operator_length(rest) > 0 => self.operator(i, operator_length(rest)),
             b'=' => {
                 self.continues = true;
                 i + 1
@@ -446,6 +442,15 @@ impl<'a> Scanner<'a> {
 /// Whether a line cannot be a row of a map: a map that runs into it has lost a quote.
 fn is_no_row(line: &str) -> bool {
     line.contains('"') || line.contains(": ") || line == "}"
+}
+
+/// The length of the operator of signs that a text begins with; 0 if there is none.
+fn operator_length(bytes: &[u8]) -> usize {
+    match bytes {
+        [b'+' | b'-' | b'*' | b'/' | b'<' | b'>', ..] => 1,
+        [b'=' | b'!', b'=', ..] => 2,
+        _ => 0,
+    }
 }
 
 fn is_word_byte(b: u8) -> bool {

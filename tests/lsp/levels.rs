@@ -173,6 +173,13 @@ fn an_edit_of_the_chosen_level_is_asked_about() {
     client.asked();
     let found = misfit(&client);
     assert!(found.contains("level-misfit") && found.contains("`level.txt` does not fit `W`: "), "{found}");
+    let settings = |is_on: bool| json!({ "settings": { "hypedc": { "verdicts": is_on } } });
+    client.notify("workspace/didChangeConfiguration", settings(false));
+    client.settle();
+    assert!(!misfit(&client).contains("level-misfit"), "verdicts are off");
+    client.notify("workspace/didChangeConfiguration", settings(true));
+    client.asked();
+    assert!(misfit(&client).contains("level-misfit"));
     client.change(&uri("level.txt"), json!([{ "text": "..#...\n######\n" }]));
     client.asked();
     assert!(!misfit(&client).contains("level-misfit"));

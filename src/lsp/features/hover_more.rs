@@ -57,9 +57,7 @@ pub(super) fn hover_more(view: &View, at: &FileOffset, more: &dyn Fn(&MapTile) -
 
 /// The hover of a side, of `empty`, of a number with a unit.
 fn word(code: &str, byte: usize) -> Option<(Range<usize>, String)> {
-    let token = tokens(code)
-        .take_while(|token| token.at.start <= byte)
-        .find(|token| token.at.start <= byte && byte < token.at.end)?;
+    let token = tokens(code).find(|token| byte < token.at.end).filter(|token| token.at.start <= byte)?;
     let text = token.text(code);
     let cursor = CursorContext::at(code, token.at.start);
     let markdown = match token.kind {

@@ -246,9 +246,10 @@ impl Background {
             let Some(level) = known.memory.levels.get(&table.name).cloned() else { continue };
             let (compilation, read) = Snapshot::with_level(&snapshot.root, level.file(), (&job.open, &*self.disk));
             let Some(program) = &compilation.program else {
-                let (snapshot, world, why) = (Arc::clone(snapshot), table.name.clone(), misfit(&compilation));
-                let why = why.unwrap_or_default();
-                self.send(Report::Misfit { revision: job.revision, snapshot, read, world, why });
+                let (revision, snapshot, world) = (job.revision, Arc::clone(snapshot), table.name.clone());
+                if let Some(why) = misfit(&compilation) {
+                    self.send(Report::Misfit { revision, snapshot, read, world, why });
+                }
                 continue;
             };
             let Some(world) = program.world_named(&table.name) else { continue };

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use gen_lsp_types::{Code, Diagnostic, DiagnosticSeverity};
-use serde_json::json;
+use gen_lsp_types::{Code, Diagnostic, DiagnosticSeverity, Range};
+use serde_json::{Value, json};
 
 use super::extensions::range;
 use super::findings::ByDocument;
@@ -24,10 +24,9 @@ pub(super) fn findings(root: &Path, program: &ShownProgram, encoding: Encoding) 
     let uri = about.document(root).map_or_else(|| uri_of(root).0, |document| document.uri.clone());
     let found = program.verdicts.iter().filter(|shown| shown.is_current);
     let mut found: Vec<Diagnostic> = found.filter_map(|shown| finding(program, shown, encoding)).collect();
-    let misfits = program.misfits.iter();
-    found.extend(
-        misfits.filter_map(|(world, why)| misfit((root, about), program.levels.get(world)?, world, why, encoding)),
-    );
+    let misfit =
+        |(world, why): (&String, &String)| misfit((root, about), program.levels.get(world)?, world, why, encoding);
+    found.extend(program.misfits.iter().filter_map(misfit));
     if !found.is_empty() {
         out.insert(uri, found);
     }
@@ -44,17 +43,23 @@ fn misfit(
 ) -> Option<Diagnostic> {
     let program = about.ide.compilation.program.as_ref()?;
     let span = program.spans.worlds[program.world_named(world)?].name;
-    Some(Diagnostic {
-        range: positions::range(&about.text(span.file()), &span.range(), encoding),
-        severity: Some(DiagnosticSeverity::Warning),
-        code: Some(Code::String("level-misfit".into())),
+    let range = positions::range(&about.text(span.file()), &span.range(), encoding);
+    let message = format!("the chosen level `{}` does not fit `{world}`: {why}", level.name(root));
+    Some(diagnostic(range, ("level-misfit", DiagnosticSeverity::Warning), message, json!({ "world": world })))
+}
+
+fn diagnostic(range: Range, (code, severity): (&str, DiagnosticSeverity), message: String, data: Value) -> Diagnostic {
+    Diagnostic {
+        range,
+        severity: Some(severity),
+        code: Some(Code::String(code.into())),
         code_description: None,
         source: Some("hypedc".into()),
-        message: format!("the chosen level `{}` does not fit `{world}`: {why}", level.name(root)).into(),
+        message: message.into(),
         tags: None,
         related_information: None,
-        data: Some(json!({ "world": world })),
-    })
+        data: Some(data),
+    }
 }
 
 fn finding(program: &ShownProgram, shown: &ShownVerdict, encoding: Encoding) -> Option<Diagnostic> {
@@ -93,20 +98,11 @@ fn finding(program: &ShownProgram, shown: &ShownVerdict, encoding: Encoding) -> 
         None => message,
     };
     let inputs = broken.inputs.as_ref().or(verdict.way.as_ref().map(|way| &way.inputs));
-    Some(Diagnostic {
-        range: range(program, shown, encoding)?,
-        severity: Some(severity),
-        code: Some(Code::String(code.into())),
-        code_description: None,
-        source: Some("hypedc".into()),
-        message: message.into(),
-        tags: None,
-        related_information: None,
-        data: Some(json!({
-            "world": question.world,
-            "name": name,
-            "inputs": inputs,
-            "failsAtStep": broken.fails.as_ref().map(|(step, _)| step),
-        })),
-    })
+    let data = json!({
+        "world": question.world,
+        "name": name,
+        "inputs": inputs,
+        "failsAtStep": broken.fails.as_ref().map(|(step, _)| step),
+    });
+    Some(diagnostic(range(program, shown, encoding)?, (code, severity), message, data))
 }

@@ -179,7 +179,10 @@ impl Server {
                     // All waiting messages make one job.
                     let Inbox { messages, given_up } = Inbox::of(message, messages);
                     given_up.into_iter().for_each(|(id, failure)| self.respond::<()>(id, Err(failure)));
-                    let is_change = |message: &Message| matches!(message, Message::Notification(_));
+                    let is_change = |message: &Message| match message {
+                        Message::Notification(notification) => !notification.method.starts_with("$/"),
+                        _ => false,
+                    };
                     let changed = messages.iter().rposition(is_change).map_or(0, |at| at + 1);
                     for (at, message) in messages.into_iter().enumerate() {
                         // The worker compiles while requests are answered.
@@ -196,7 +199,6 @@ impl Server {
                     // One at a time, they would wait behind the messages of one who types.
                     let count = events.len();
                     std::iter::once(event).chain(events.try_iter().take(count)).for_each(|event| self.event(event));
-                    self.replaced.clear();
                 }
                 recv(reports) -> report => {
                     let Ok(report) = report else { return false };
@@ -468,6 +470,7 @@ impl Server {
                 self.open_compiled = Some(revision);
                 self.publish();
                 self.resume();
+                self.replaced.clear();
             }
             Event::AllCompiled(revision) => {
                 self.all_compiled = Some(revision);
@@ -475,6 +478,7 @@ impl Server {
                     self.publish();
                 }
                 self.resume();
+                self.replaced.clear();
             }
             Event::Idle(revision) => {
                 self.idle = Some(revision);

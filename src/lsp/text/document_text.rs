@@ -164,9 +164,7 @@ impl Text {
         // An edit within a statement leaves most of the tree as it is.
         self.before = self.parsed.take().or(self.before.take());
     }
-}
 
-impl Text {
     /// Replaces a range of the whole text. Only the lines that it touches are looked at again.
     fn replace(&mut self, bytes: Range<usize>, text: &str) {
         let by = text.len() as isize - bytes.len() as isize;

@@ -170,8 +170,8 @@ impl Shown {
         let mut gone = Vec::new();
         for (root, program) in self.programs.iter_mut().filter(|(root, _)| !is_kept(root)) {
             program.about = None;
-            program.misfits.clear();
-            if !std::mem::take(&mut program.verdicts).is_empty() {
+            let has_misfits = !std::mem::take(&mut program.misfits).is_empty();
+            if !std::mem::take(&mut program.verdicts).is_empty() || has_misfits {
                 gone.push(root.clone());
             }
         }

@@ -249,6 +249,36 @@ fn burst(client: &mut Client, start: Place) {
     client.settle();
 }
 
+/// Requests about the whole of one long line, for lengths that double: what is in proportion to the length doubles, too.
+fn long_lines() {
+    println!("one line, CPU in ms: key to findings, tokens, completions in it");
+    for terms in [12_500, 25_000, 50_000] {
+        let sum = vec!["timer > 1"; 200].join(" or ");
+        let tags: Vec<String> = (0..terms).map(|number| format!("tag{number}")).collect();
+        let tail = format!("    mode a {{ when {sum} -> a }}\n}}\n");
+        let text = format!("entity A {{\n    collider {}: rect(0, 0, 8, 8)\n{tail}", tags.join(", "));
+        let mut client = Client::start(&[], capabilities());
+        client.open(URI, &text);
+        client.settle();
+        let line = text.lines().nth(1).unwrap();
+        let end = line.find(':').unwrap();
+        let mut place = Place { line: 1, character: end };
+        let mut row = Vec::new();
+        let mut used = ProcessTime::now();
+        press(&mut client, &mut place, Some('x'));
+        client.settle();
+        row.push(used.elapsed());
+        for method in ["textDocument/semanticTokens/full", "textDocument/completion"] {
+            used = ProcessTime::now();
+            assert!(!client.request(method, place.params()).unwrap().is_null(), "{method}");
+            row.push(used.elapsed());
+        }
+        let row: Vec<String> = row.iter().map(|time| format!("{:8.1}", time.as_secs_f64() * 1e3)).collect();
+        println!("  {:4.0} kB {}", line.len() as f64 / 1e3, row.join(" "));
+        assert!(client.stop());
+    }
+}
+
 /// The memory of this process, in MB.
 fn resident() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -259,7 +289,8 @@ fn resident() -> f64 {
 fn main() {
     println!("ms: median, 95th percentile, longest");
     let asked: Vec<usize> = std::env::args().filter_map(|arg| arg.parse().ok()).collect();
-    for lines in if asked.is_empty() { vec![200, 2_000, 20_000] } else { asked } {
+    let everything = asked.is_empty();
+    for lines in if everything { vec![200, 2_000, 20_000] } else { asked } {
         let text = large::realistic(lines);
         // Into the mode nearest to the middle of the file that goes to `leftwards`.
         let modes = text.match_indices("        when x >= right -> leftwards").map(|(at, _)| at);
@@ -288,5 +319,8 @@ fn main() {
         client.settle();
         println!("  resident: {held:.0} MB, {:.0} MB when it is closed", resident());
         assert!(client.stop());
+    }
+    if everything {
+        long_lines();
     }
 }

@@ -63,8 +63,9 @@ pub const WORK_PER_POLL: u64 = 1 << 18;
 /// Counts work, and polls a watch after each [`WORK_PER_POLL`] units.
 pub struct Meter<'w> {
     watch: &'w dyn Watch,
-    /// Work since the last poll.
+    /// Work since the last poll, and before it.
     since: Cell<u64>,
+    before: Cell<u64>,
     is_stopped: Cell<bool>,
 }
 
@@ -72,7 +73,7 @@ impl<'w> Meter<'w> {
     /// A meter that polls this watch.
     #[inline]
     pub fn new(watch: &'w dyn Watch) -> Self {
-        Meter { watch, since: Cell::new(0), is_stopped: Cell::new(false) }
+        Meter { watch, since: Cell::new(0), before: Cell::new(0), is_stopped: Cell::new(false) }
     }
 
     /// The watch that it polls.
@@ -84,15 +85,21 @@ impl<'w> Meter<'w> {
     #[inline]
     pub fn spend(&self, work: u64) -> bool {
         let since = self.since.get().saturating_add(work);
+        self.since.set(since);
         if since < WORK_PER_POLL {
-            self.since.set(since);
             return self.is_stopped.get();
         }
         self.poll()
     }
 
+    /// All work so far: the same on every machine.
+    pub fn total(&self) -> u64 {
+        self.before.get().saturating_add(self.since.get())
+    }
+
     /// Polls at once; returns whether to stop.
     pub fn poll(&self) -> bool {
+        self.before.set(self.total());
         self.since.set(0);
         // Once stopped, the watch is not polled again.
         if !self.is_stopped.get() && self.watch.stop() {
@@ -133,6 +140,7 @@ mod tests {
         let meter = Meter::new(&watch);
         let spent = (1..).find(|_| meter.spend(1)).unwrap_or(0);
         assert_eq!(spent, 3 * WORK_PER_POLL);
+        assert_eq!(meter.total(), 3 * WORK_PER_POLL);
         assert!(meter.spend(0) && meter.poll(), "it stays stopped");
         assert_eq!(watch.0.load(Ordering::Relaxed), 3, "and nobody is asked any more");
     }

@@ -169,7 +169,7 @@ fn a_seed_is_one_future() {
         assert_eq!((answer.verdict, answer.luck), (Conclusion::Reached, None), "{}", planner.name());
         let inputs = answer.inputs.unwrap();
         assert!(!inputs.contains("nature") && holds_after(&program, &inputs, 3, GoalId(0)), "{inputs}");
-        assert!(!holds_after(&program, &inputs, 4, GoalId(0)), "{inputs}");
+        assert!(!(4..20).all(|seed| holds_after(&program, &inputs, seed, GoalId(0))), "{inputs}");
     }
     // Losing by pressing at once is another matter: the search waits for its luck.
     let query = Query { chance: Some(3), within: Some(2), ..by(Planner::Exhaustive, Target::Goal(GoalId(0))) };

@@ -188,9 +188,10 @@ fn a_door_that_needs_a_key_is_told_where_the_way_ends() {
     let (code, result) = Pair::new("keyless", GAME, &text).json(&["--goal", "door in open"]);
     let expected = ["worse", "reached", "proven-unreachable"].map(str::to_string);
     assert_eq!((code, verdicts(&result, "door in open")), (1, expected));
-    let differs = &question(&result, "door in open")["old_way"]["divergence"]["other"];
-    let end = &question(&result, "door in open")["old_way"]["steps"];
-    assert_eq!(&differs["step"], end, "the way ends where the door opens");
+    let way = &question(&result, "door in open")["old_way"];
+    let new = &way["divergence"]["new"];
+    assert_eq!(new["step"], way["steps"], "the way ends where the door opens: {way}");
+    assert_eq!(new["missing"][0], "`door in open`", "{way}");
 }
 
 #[test]

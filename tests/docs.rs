@@ -11,7 +11,8 @@
 //! The sessions of a page run one after the other in a folder of their own that begins with a copy of `examples/`. A
 //! picture `NAME.svg` or `NAME.gif` that they leave there is the file of that name in `docs/pictures`.
 //!
-//! `UPDATE=1 cargo test --test language docs` rewrites outputs and pictures.
+//! `UPDATE=1 cargo test --test language docs` rewrites outputs and pictures; it keeps each line with `…` that still
+//! fits, and fails where one had to go.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -151,6 +152,34 @@ fn line_fits(found: &str, shown: &str) -> bool {
     }
 }
 
+/// An output as a page shows it from now on, with as many lines of `shown` as still fit, in their order; and the lines
+/// with wildcards that fit nothing any more.
+fn rewritten<'a>(found: &[&'a str], shown: &[&'a str]) -> (Vec<&'a str>, Vec<&'a str>) {
+    // kept[i][j]: the most lines that fit, of found[i..] and shown[j..].
+    let mut kept = vec![vec![0; shown.len() + 1]; found.len() + 1];
+    for (i, line) in found.iter().enumerate().rev() {
+        for (j, pattern) in shown.iter().enumerate().rev() {
+            let skipped = kept[i + 1][j].max(kept[i][j + 1]);
+            kept[i][j] = if line_fits(line, pattern) { skipped.max(1 + kept[i + 1][j + 1]) } else { skipped };
+        }
+    }
+    let (mut i, mut j, mut lines, mut lost) = (0, 0, Vec::new(), Vec::new());
+    while i < found.len() || j < shown.len() {
+        let (has_found, has_shown) = (i < found.len(), j < shown.len());
+        if has_found && has_shown && line_fits(found[i], shown[j]) && kept[i][j] == 1 + kept[i + 1][j + 1] {
+            lines.push(shown[j]);
+            (i, j) = (i + 1, j + 1);
+        } else if has_found && (!has_shown || kept[i][j] == kept[i + 1][j]) {
+            lines.push(found[i]);
+            i += 1;
+        } else {
+            lost.extend(Some(shown[j]).filter(|line| line.contains(ANY)));
+            j += 1;
+        }
+    }
+    (lines, lost)
+}
+
 /// The state of a page's sessions.
 struct Sandbox {
     folder: PathBuf,
@@ -233,6 +262,7 @@ fn play(page: &Path) -> Played {
     let mut played = Played::default();
     let mut sandbox = Sandbox::new(page);
     let mut shown_files = Vec::new();
+    let mut lost_wildcards = String::new();
     let mut anew = String::new();
     for part in parts(&text) {
         let (fence, lines) = match part {
@@ -262,7 +292,8 @@ fn play(page: &Path) -> Played {
                     let (path, found, shown) = (page.display(), found.join("\n"), shown.join("\n"));
                     played.trouble.push_str(&format!("{path}: $ {command}\nprints\n{found}\nand not\n{shown}\n\n"));
                 }
-                let kept = if is_right { shown } else { &found };
+                let (kept, lost) = if is_right { (shown.to_vec(), Vec::new()) } else { rewritten(&found, shown) };
+                lost_wildcards.extend(lost.iter().map(|line| format!("{}: lost: {line}\n", page.display())));
                 anew.push_str(&format!("$ {command}\n"));
                 anew.extend(kept.iter().map(|line| format!("{line}\n")));
             }
@@ -287,7 +318,7 @@ fn play(page: &Path) -> Played {
     }
     if is_updating() {
         std::fs::write(page, anew).unwrap();
-        played.trouble.clear();
+        played.trouble = lost_wildcards;
     }
     played
 }

@@ -109,14 +109,14 @@ fn the_nearest_state_is_as_near_as_it_is_known_to_be() {
         let why: &WhyNot = answer.why_not.as_ref().unwrap_or_else(|| panic!("{}: {answer:?}", case.name()));
         let nearest = why.nearest.as_ref().unwrap_or_else(|| panic!("{}: no state", case.name()));
         let found: Vec<&PartState> = nearest.parts.iter().filter(|part| !part.holds).collect();
-        let agrees = |(part, miss): (&&PartState, &Miss)| {
-            part.text == miss.part
-                && match &miss.by {
-                    Ok((distance, unit)) => {
-                        part.unit == *unit && part.distance.is_some_and(|d| (d - distance).abs() <= PRECISION)
-                    }
-                    Err(words) => part.words.replace('`', "") == *words,
-                }
+        let agrees = |(part, miss): (&&PartState, &Miss)| match &miss.by {
+            Ok((distance, unit)) => {
+                part.text == miss.part
+                    && part.unit == *unit
+                    && part.distance.is_some_and(|d| (d - distance).abs() <= PRECISION)
+            }
+            // Of two doors that one key opens, either is the one that stays shut.
+            Err(words) => part.words.replace('`', "") == *words,
         };
         let at = &nearest.at;
         let is_there = case.places.iter().all(|place| {

@@ -13,7 +13,8 @@ use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{Id, Program, SlotId, WorldId};
 use hypedc::reach::{
-    Argument, Limits, Outcome, Planner, Problem, Settings, StateStatus, Target, Verdict, exhaust, reach, search as grow,
+    Argument, Limits, Outcome, Planner, Problem, Settings, StateStatus, Style, Target, Verdict, exhaust, reach,
+    search as grow,
 };
 use hypedc::sim::{Input, PlayerInput, Script, Simulator, State};
 use hypedc::watch::Unwatched;
@@ -197,7 +198,8 @@ fn all_planners_hold_inputs_from_the_seam_on() {
                 if let Verdict::Reached(plan) = asked(&problem, planner, seed, 600).verdict {
                     assert!(holds(&plan.script, plan.after, 14), "{name} {planner:?}: {:?}", plan.script);
                     assert_eq!((plan.after, &plan.script.first(begin.len())), (begin.len(), &begin));
-                    let short = hypedc::reach::shorten(&problem, &plan, &Unwatched);
+                    let space = configuration_space(&program, WORLD);
+                    let short = hypedc::reach::shorten(&problem, &space, &plan, Style::Fast, &Unwatched);
                     assert!(holds(&short.script, short.after, 14), "{name} {planner:?}: {:?}", short.script);
                     found += 1;
                 }

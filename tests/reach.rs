@@ -480,6 +480,46 @@ fn distances_lead_round_walls_and_through_links() {
     }
 }
 
+/// A button counts as springs let go, and no mode before reads it; they need longer than an input is held.
+#[test]
+fn what_only_a_later_mode_reads_is_held_before() {
+    let program = program(compile_text(
+        "entity Hero {
+            button jump
+            collider body: rect(0, 0, 8, 8)
+            discrete springs: int 0..6 = 0
+
+            mode ground { y' = 0; when pressed(jump) -> pressed_down }
+            mode pressed_down { y' = 0; when timer >= 1.5s -> thrown }
+            mode thrown {
+                y' = 60
+                when not held(jump) -> ground { springs := 0 }
+                when timer >= 0.1s -> pressed_down { springs += 1 }
+            }
+        }
+        world Springs {
+            step 1/60
+            space main { bounds rect(-100, -100, 200, 400); place hero: Hero at (0, 0) }
+            player 1: hero
+            goal up: hero.springs >= 4
+        }",
+    ));
+    for planner in [Planner::DistanceGuided, Planner::Coverage] {
+        for seed in 1..=5 {
+            let sim = Simulator::new(&program, WORLD);
+            let problem = Problem::new(&sim, GoalId(0));
+            let space = configuration_space(&program, WORLD);
+            let settings = Settings { seed, planner, ..Settings::default() };
+            let limits = Limits { nodes: 20_000, ..Limits::default() };
+            let outcome = grow(&problem, &space, &settings, &limits, &Unwatched).unwrap();
+            let Verdict::Reached(plan) = outcome.verdict else {
+                panic!("{planner:?}, seed {seed}: {:?}", outcome.verdict)
+            };
+            replay(&program, 0, &plan);
+        }
+    }
+}
+
 #[test]
 fn walls_beyond_the_bounds_are_no_trouble() {
     let walls = [(-400, 0), (400, 0), (0, -400), (0, 400), (400, 400)];

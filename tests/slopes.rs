@@ -127,6 +127,8 @@ proptest! {
     ) {
         let (width, height) = (f64::from(width) + 0.5, f64::from(height));
         let (x, far) = (f64::from(from), f64::from(speed) / f64::from(steps));
+        // What goes over the whole of a slope's end in one step is not above what it comes to.
+        prop_assume!(kind == "block" || far <= width);
         let y = terrain.top(x, x + width);
         let world = format!(
             "collide body with wall: {kind}\n{}space main {{ {} place hero: Hero at ({x}, {y}) }}",

@@ -10,7 +10,8 @@ use crate::support::{Disk, assert_leads_to, program, script, sized};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
-use hypedc::reach::{Limits, Problem, Settings, Verdict, reach};
+use hypedc::reach::query::{Query, Session};
+use hypedc::reach::{Limits, Problem, Settings, Target, Verdict, reach};
 use hypedc::sim::Simulator;
 use hypedc::source::{Files, ReadError};
 use hypedc::watch::Unwatched;
@@ -160,6 +161,25 @@ fn real_levels_have_a_way_to_the_right_end() {
                 other => panic!("{name}, seed {seed}: {other:?}"),
             }
         }
+    }
+}
+
+/// From the left end to the right one, at the speed of a dash: no way is faster.
+fn least_seconds(text: &str) -> f64 {
+    let columns = text.lines().map(|row| row.chars().count()).max().unwrap();
+    (columns as f64 - 6.0) * 16.0 / 150.0
+}
+
+#[test]
+fn ways_that_are_found_are_as_fast_as_a_player_who_knows_the_level() {
+    for name in ["1-1", "1-3", "5-3"] {
+        let (text, program) = (corpus(name), level(&corpus(name)));
+        let session = Session::new(&program, WORLD, Query::new(vec![Target::Goal(GoalId(0))]), &Unwatched);
+        let found = session.find(Target::Goal(GoalId(0)), &Unwatched).unwrap();
+        let Verdict::Reached(plan) = &found.outcome.verdict else { panic!("{name}: not found") };
+        assert_leads_to(&Simulator::new(&program, WORLD), &plan.script, GoalId(0));
+        let (seconds, least) = (plan.steps as f64 / 60.0, least_seconds(&text));
+        assert!(seconds < 1.5 * least, "{name}: {seconds:.1} s of play, at least {least:.1} s");
     }
 }
 

@@ -15,8 +15,8 @@ use hypedc::compile::{ExtraConstraint, LevelFile, compile, compile_constrained};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::parallel::{TaskContext, work};
 use hypedc::reach::{
-    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Target, Verdict, improve_duration,
-    reach, search as grow, shorten,
+    Argument, Limits, Outcome, Plan, Planner, Problem, Proof, Sampling, Settings, Style, Target, Verdict,
+    improve_duration, reach, search as grow, shorten,
 };
 use hypedc::sim::{Script, Simulator};
 use hypedc::watch::{Unwatched, Watch};
@@ -224,7 +224,7 @@ fn auto_finds_what_there_is_and_proves_what_it_can() {
         let space = configuration_space(&case.program, case.world);
         let hold = (case.answer == Answer::Fine).then_some((1, 1));
         let settings = Settings { hold, ..Settings::default() };
-        let outcome = reach(&problem, &space, &settings, &limits(sized(30_000, 60_000)), &Unwatched).unwrap();
+        let outcome = reach(&problem, &space, &settings, &limits(sized(60_000, 120_000)), &Unwatched).unwrap();
         agrees(case, &outcome, "auto");
         let is_reached = matches!(outcome.verdict, Verdict::Reached(_));
         let can_be = matches!(case.answer, Answer::Reachable | Answer::Fine);
@@ -255,7 +255,7 @@ impl Watch for PollLimit {
 }
 
 /// Shortens a path: the result replays, is no worse in any respect, has the same beginning, and holds inputs as long.
-fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
+fn shortens(question: &Question<'_>, problem: &Problem<'_>, space: &ConfigurationSpace, plan: &Plan) {
     // How long each input is held; what nature draws meanwhile is no change of it.
     let parts = |plan: &Plan| {
         let alike = plan.script.steps.chunk_by(|a, b| a.input.0 == b.input.0);
@@ -265,7 +265,7 @@ fn shortens(question: &Question<'_>, problem: &Problem<'_>, plan: &Plan) {
     let shortest = |plan: &Plan| shortest(plan).unwrap_or(u32::MAX);
     for least in [0, if plan.after == 0 { shortest(plan).min(10) } else { 0 }] {
         let held = problem.clone().holding(least as u16);
-        let short = shorten(&held, plan, &PollLimit(AtomicU32::new(sized(6, 12))));
+        let short = shorten(&held, space, plan, Style::Fast, &PollLimit(AtomicU32::new(sized(6, 12))));
         question.replay(&short);
         let what = question.what;
         assert_eq!(short.after, plan.after, "{what}");
@@ -381,7 +381,7 @@ fn what_is_reported_of_the_examples_replays_and_repeats() {
             }
             if let Verdict::Reached(plan) = &outcome.verdict {
                 question.replay(plan);
-                shortens(question, &problem, plan);
+                shortens(question, &problem, space, plan);
                 hastens(question, &problem, space, &settings, plan);
                 reached += 1;
             }
@@ -448,7 +448,7 @@ fn ways_go_on_from_where_a_script_leads() {
             question.replay(plan);
             let start = [&third, &half].into_iter().find(|s| s.len() == plan.after).unwrap();
             assert!(plan.script.inputs().zip(start.inputs()).all(|(a, b)| a == b), "{}", question.what);
-            shortens(question, &later, plan);
+            shortens(question, &later, space, plan);
             hastens(question, &later, space, &settings, plan);
             found += 1;
         }

@@ -27,7 +27,7 @@ pub fn realistic(lines: usize) -> String {
     // Lines are counted incrementally: a full count each time would take longer than parsing.
     let (mut counted, mut count) = (0, 0);
     while count < lines {
-        write_chapter(&mut out, chapter, &mut draw);
+        write_chapter(&mut out, chapter, &mut draw, lines < SMALL);
         count += out[counted..].matches('\n').count();
         counted = out.len();
         chapter += 1;
@@ -35,7 +35,10 @@ pub fn realistic(lines: usize) -> String {
     out
 }
 
-fn write_chapter(out: &mut String, k: usize, draw: &mut Draw) {
+/// A program of less lines than this is one small chapter.
+const SMALL: usize = 400;
+
+fn write_chapter(out: &mut String, k: usize, draw: &mut Draw, is_small: bool) {
     let d = draw;
     macro_rules! line {
         ($($part:tt)*) => { writeln!(out, $($part)*).unwrap() };
@@ -50,15 +53,15 @@ fn write_chapter(out: &mut String, k: usize, draw: &mut Draw) {
     line!("    mode above {{\n        y' = 0\n        when timer >= rest -> sinking\n    }}");
     line!("    mode sinking {{\n        y' = -speed\n        when y <= bottom -> below\n    }}");
     line!("    mode below {{\n        y' = 0\n        when timer >= rest -> rising\n    }}\n}}\n");
-    let heroes = d.between(1, 2);
+    let heroes = if is_small { 1 } else { d.between(1, 2) };
     for h in 0..heroes {
         write_hero(out, &format!("Hero{k}_{h}"), k, d);
     }
-    let creatures = d.between(2, 5);
+    let creatures = if is_small { 1 } else { d.between(2, 5) };
     for c in 0..creatures {
         write_creature(out, &format!("Creature{k}_{c}"), &format!("Hero{k}_0"), d);
     }
-    let platforms = d.between(1, 3);
+    let platforms = if is_small { 1 } else { d.between(1, 3) };
     for p in 0..platforms {
         write_platform(out, &format!("Platform{k}_{p}"), k, d);
     }

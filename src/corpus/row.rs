@@ -56,8 +56,11 @@ pub struct Settings {
     /// The seed of what nature draws; left out if the search is free to choose it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chance: Option<u64>,
-    /// Whether paths are shortened.
+    /// Whether paths are made better.
     pub minimize: bool,
+    /// In which style, if not for the fastest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub style: Option<String>,
     /// Maximum number of nodes; none: no limit.
     pub nodes_limit: Option<u64>,
     /// Maximum time, s.
@@ -93,6 +96,7 @@ impl Settings {
             reaction: None,
             chance: None,
             minimize: false,
+            style: None,
             nodes_limit: Some(limits.nodes),
             seconds_limit: None,
             memory_limit: limits.memory,
@@ -240,6 +244,7 @@ pub(super) mod tests {
             reaction: None,
             chance: None,
             minimize: false,
+            style: None,
             nodes_limit: Some(200_000),
             seconds_limit: None,
             memory_limit: 1 << 31,

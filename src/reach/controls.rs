@@ -7,6 +7,7 @@ use crate::ir::{By, Entity, Expr, ExprId, Function, Id, Inputs, Leaf, LeafId, Pr
 use crate::sim::state::Life;
 use crate::sim::{Draw, DrawId, Draws, Input, PlayerInput};
 
+use super::ahead::held_ahead;
 use super::problem::Problem;
 
 /// Maximum number of inputs per node.
@@ -17,7 +18,7 @@ pub const MAX_CONTROLS: usize = 4_096;
 #[derive(Debug, Clone, Default)]
 pub struct ControlSets {
     sets: Vec<Set>,
-    lists: Vec<Vec<Input>>,
+    lists: Vec<List>,
     known: BTreeMap<Vec<LeafId>, u16>,
     key: Vec<LeafId>,
     /// The slots whose entities have chances, unless the draws of all inputs are left open.
@@ -26,6 +27,17 @@ pub struct ControlSets {
     is_complete: bool,
     /// Whether some inputs were left out because there were more than [`MAX_CONTROLS`].
     pub truncated: bool,
+}
+
+/// Inputs of the players. Those at first hold nothing but what is read; the same follow with each combination of what only
+/// the modes read that edges lead to.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct List {
+    inputs: Vec<Input>,
+    /// The number of those at first.
+    read: usize,
+    /// For each player, what only the modes ahead read.
+    ahead: Vec<Inputs>,
 }
 
 /// The inputs of the players, and the draws that go with each.
@@ -81,12 +93,12 @@ impl ControlSets {
         if let Some(&set) = self.known.get(&self.key) {
             return set;
         }
-        let (inputs, truncated) = self.inputs_of(problem);
+        let (list, truncated) = self.inputs_of(problem);
         self.truncated |= truncated;
-        let list = match self.lists.iter().position(|list| *list == inputs) {
+        let list = match self.lists.iter().position(|known| *known == list) {
             Some(same) => same,
             None => {
-                self.lists.push(inputs);
+                self.lists.push(list);
                 self.lists.len() - 1
             }
         };
@@ -111,14 +123,46 @@ impl ControlSets {
 
     /// What the players do in an input of a set.
     pub fn input(&self, set: u16, index: usize) -> &Input {
+        let set = &self.sets[usize::from(set)];
+        let list = &self.lists[set.list];
+        &list.inputs[index / set.count * list.read + index % set.count % list.read]
+    }
+
+    /// The number of combinations of what only the modes ahead of a set read, with that in which nothing is held.
+    pub fn combinations_ahead(&self, set: u16) -> usize {
         let list = &self.lists[self.sets[usize::from(set)].list];
-        &list[index % list.len()]
+        list.inputs.len() / list.read
+    }
+
+    /// The combination that an input holds.
+    pub fn combination_of(&self, set: u16, held: &Input) -> usize {
+        let list = &self.lists[self.sets[usize::from(set)].list];
+        let (mut number, mut weight) = (0, 1);
+        for (of, ahead) in held.0.iter().zip(&list.ahead) {
+            for button in (0..64).filter(|b| ahead.buttons >> b & 1 == 1) {
+                number += weight * (of.buttons >> button & 1) as usize;
+                weight *= BUTTON.len();
+            }
+            for axis in (0..8).filter(|a| ahead.axes >> a & 1 == 1) {
+                let value = of.axes[axis];
+                number += weight * (usize::from(value != 0.0) + usize::from(value > 0.0));
+                weight *= AXIS.len();
+            }
+        }
+        number % self.combinations_ahead(set)
+    }
+
+    /// The index of the input that does what one of the counted ones does, and holds a combination of what only the modes
+    /// ahead read: they come after those that are counted.
+    pub fn holding_ahead(&self, set: u16, index: usize, combination: usize) -> usize {
+        let number = index + combination * self.count(set);
+        if number > usize::from(u16::MAX) { index } else { number }
     }
 
     /// Fixes what nature draws in an input of a set; other draws stay as they are.
     pub fn fix_draws(&self, set: u16, index: usize, draws: &mut Draws) {
         let set = &self.sets[usize::from(set)];
-        let mut number = (index / self.lists[set.list].len()) as u64;
+        let mut number = (index % set.count / self.lists[set.list].read) as u64;
         for (id, draw) in &set.draws {
             draws.set(*id, Some(draw.value(number % draw.values())));
             number /= draw.values();
@@ -142,7 +186,7 @@ impl ControlSets {
 
     /// Adds the draws that can be read in a step from a state, as far as their combinations are few.
     fn with_drawn(&self, problem: &Problem<'_>, state: &[u8], list: usize) -> Set {
-        let mut set = Set { list, draws: Vec::new(), count: self.lists[list].len() };
+        let mut set = Set { list, draws: Vec::new(), count: self.lists[list].read };
         let Some(lucky) = &self.lucky else { return set };
         let (program, world) = (problem.sim.program(), problem.sim.world());
         let mut are_left = false;
@@ -177,36 +221,46 @@ impl ControlSets {
     }
 
     /// The inputs for the leaves of the key, and whether some were left out.
-    fn inputs_of(&self, problem: &Problem<'_>) -> (Vec<Input>, bool) {
+    fn inputs_of(&self, problem: &Problem<'_>) -> (List, bool) {
         let mut whole = true;
         let (program, world) = (problem.sim.program(), problem.sim.world());
         let mut all = vec![Input::nothing(world.players.len())];
         let mut leaves = self.key.iter();
-        let mut read = Vec::new();
+        let (mut read, mut ahead) = (Vec::new(), Vec::new());
         for (player, &slot) in problem.players().iter().enumerate() {
             let entity = &program.entities[world.slots[slot].entity];
             let mut reads: Inputs = entity.inputs;
+            let mut later = Inputs::default();
             if self.is_complete {
                 reads = all_inputs(entity);
             } else {
                 for leaf in leaves.by_ref().take(entity.groups.len()) {
                     reads = reads.with(entity.leaves[*leaf].inputs);
+                    later = later.with(held_ahead(program, entity, &entity.leaves[*leaf]));
                 }
             }
             reads.buttons &= !problem.unpressed(player);
+            later.buttons &= !problem.unpressed(player);
             read.push((reads.buttons, u64::from(reads.axes)));
-            for button in (0..64).filter(|b| reads.buttons >> b & 1 == 1) {
-                whole &= multiply(&mut all, player, &[|_, _| {}, |p: &mut PlayerInput, b| p.buttons |= 1 << b], button);
-            }
-            for axis in (0..8).filter(|a| reads.axes >> a & 1 == 1) {
-                whole &=
-                    multiply(&mut all, player, &[|_, _| {}, |p, a| p.axes[a] = -1.0, |p, a| p.axes[a] = 1.0], axis);
-            }
+            whole &= multiply_by(&mut all, player, reads);
+            let (buttons, axes) = (later.buttons & !reads.buttons, later.axes & !reads.axes);
+            ahead.push(Inputs { buttons, axes, ..Inputs::default() });
         }
         if let Some(restriction) = problem.restriction() {
             all.retain(|input| restriction.allows(input, &read));
+            ahead.clear();
         }
-        (all, !whole)
+        let read = all.len();
+        let mut with_ahead = all.clone();
+        let fits = ahead
+            .iter()
+            .enumerate()
+            .fold(true, |fits, (player, later)| fits && multiply_by(&mut with_ahead, player, *later));
+        if fits {
+            (List { inputs: with_ahead, read, ahead }, !whole)
+        } else {
+            (List { inputs: all, read, ahead: Vec::new() }, !whole)
+        }
     }
 }
 
@@ -276,6 +330,21 @@ fn ends_produce(directions: &[[f64; 2]]) -> bool {
     const NEAR: f64 = 1e-9;
     let is_made = |[x, y]: &[f64; 2]| x.abs() < NEAR || y.abs() < NEAR || (x.abs() - y.abs()).abs() < NEAR;
     !directions.is_empty() && directions.iter().all(is_made)
+}
+
+/// The ways in which an input can have a button, and an axis.
+const BUTTON: [fn(&mut PlayerInput, usize); 2] = [|_, _| {}, |p, b| p.buttons |= 1 << b];
+const AXIS: [fn(&mut PlayerInput, usize); 3] = [|_, _| {}, |p, a| p.axes[a] = -1.0, |p, a| p.axes[a] = 1.0];
+
+/// Multiplies the inputs by all that a player can do with some buttons and axes; returns false if not all have a place.
+fn multiply_by(all: &mut Vec<Input>, player: usize, by: Inputs) -> bool {
+    let buttons = (0..64).filter(|b| by.buttons >> b & 1 == 1).map(|b| (&BUTTON[..], b));
+    let axes = (0..8).filter(|a| by.axes >> a & 1 == 1).map(|a| (&AXIS[..], a));
+    let mut whole = true;
+    for (variants, which) in buttons.chain(axes) {
+        whole &= multiply(all, player, variants, which);
+    }
+    whole
 }
 
 /// Multiplies the inputs by the variants of one more button or axis; returns false, without doing so, if there would be

@@ -1,17 +1,18 @@
 //! The distance field of the goal: the number of places on the shortest path around static obstacles, whatever the
 //! player's abilities, as in Barraquand and Latombe, *Robot Motion Planning: A Distributed Representation Approach*,
-//! 1991. A link counts as one place. Used by `planners/distance_guided.rs`. With a time limit, also a lower bound of the remaining
-//! time, from the maximum velocities.
+//! 1991. A link counts as one place. Used by `planners/distance_guided.rs` and `planners/time_guided.rs`. Also a lower
+//! bound of the remaining time, from the maximum velocities.
 
 use std::collections::VecDeque;
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::{Bounds, Extremes, Id, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId};
+use crate::sim::Simulator;
 use crate::watch::Meter;
 
 use super::around::images;
 use super::coverage::PLACE;
-use super::goal_positions::{PositionBox, extent, goal_positions};
+use super::goal_positions::{Lead, PositionBox, extent, lead};
 use super::problem::Problem;
 
 /// Maximum number of places; above it, there is no field.
@@ -23,17 +24,19 @@ const SAMPLES: usize = 4;
 /// No path is known.
 const UNREACHABLE: u32 = u32::MAX;
 
-/// Distances from places to the goal, for one player.
+/// Distances from places to the goal, for one player, or for another instance on whose position the goal depends.
 #[derive(Debug)]
 pub(super) struct DistanceField {
-    /// The player.
-    pub player: SlotId,
+    /// Whose distances.
+    slot: SlotId,
+    /// Whether the goal is there, and not only an edge that leads on.
+    is_goal: bool,
     grids: Vec<Grid>,
     /// The distance of each place, in places.
     places: CostField,
     /// The distance of places without a known path: larger than all others.
     far: u32,
-    min_time: Option<MinTime>,
+    min_time: MinTime,
 }
 
 /// A number for each place of each space.
@@ -63,14 +66,14 @@ struct Grid {
 }
 
 impl DistanceField {
-    /// For the first player whose position the goal restricts. `None` if there is none, if there are too many places,
-    /// or if the meter runs out.
+    /// For the first player, or else the first instance, whose position the goal restricts. `None` if there is none, if
+    /// there are too many places, or if the meter runs out.
     pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace, meter: &Meter<'_>) -> Option<Self> {
-        let (player, goal) = goal_positions(problem)?;
+        let Lead { slot, boxes: goal, is_goal } = lead(problem, space)?;
         let mut grids = Vec::new();
         let mut count = 0;
         for id in problem.sim.world().spaces.ids() {
-            let grid = Grid::new(problem, player, id, &goal, meter)?;
+            let grid = Grid::new(problem, slot, id, &goal, meter)?;
             count += grid.columns * grid.rows;
             if count > MAX_PLACES {
                 return None;
@@ -79,29 +82,40 @@ impl DistanceField {
         }
         let places = flood(&grids, problem, &goal, [1, 1, 1], meter);
         let far = places.iter().flatten().filter(|d| **d != UNREACHABLE).max()? + 1;
-        let min_time = problem.time().map(|_| MinTime {
+        let min_time = MinTime {
             places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs, meter)),
             steps: VarId::XY.map(|var| {
-                let fastest = fastest(space, player, var) * problem.sim.world().step.seconds();
-                if fastest > 0.0 { PLACE / fastest } else { 0.0 }
+                let fastest = fastest(space, slot, var) * problem.sim.world().step.seconds();
+                // What is pushed has no velocity, and a mode may be entered in another way.
+                if is_goal && fastest > 0.0 { PLACE / fastest } else { 0.0 }
             }),
-        });
+        };
         if meter.is_stopped() {
             return None;
         }
-        Some(DistanceField { player, grids, places, far, min_time })
+        Some(DistanceField { slot, is_goal, grids, places, far, min_time })
     }
 
-    /// The distance of a position.
-    pub fn of(&self, space: SpaceId, x: f64, y: f64) -> u32 {
-        self.places[space.index()][self.cell(space, x, y)].min(self.far)
+    /// Whether the goal is where they lead; else an edge is only taken from there if its guard holds as well.
+    pub fn is_goal(&self) -> bool {
+        self.is_goal
     }
 
-    /// A lower bound of the number of steps to the goal, if nothing carries the player.
-    pub fn least_steps(&self, space: SpaceId, x: f64, y: f64) -> u32 {
-        let Some(min_time) = &self.min_time else { return 0 };
-        let cell = self.cell(space, x, y);
-        let along = min_time.places.iter().zip(min_time.steps).map(|(field, steps)| {
+    /// Whose distances they are.
+    pub fn slot(&self) -> SlotId {
+        self.slot
+    }
+
+    /// The distance in a state.
+    pub fn of(&self, sim: &Simulator, state: &[u8]) -> u32 {
+        let (space, cell) = self.cell(sim, state);
+        self.places[space.index()][cell].min(self.far)
+    }
+
+    /// A lower bound of the number of steps to the goal from a state, if nothing carries the player; 0 if none is known.
+    pub fn least_steps(&self, sim: &Simulator, state: &[u8]) -> u32 {
+        let (space, cell) = self.cell(sim, state);
+        let along = self.min_time.places.iter().zip(self.min_time.steps).map(|(field, steps)| {
             // The player may be at the edge of the place.
             let places = field[space.index()][cell];
             if places == UNREACHABLE { 0.0 } else { f64::from(places.saturating_sub(1)) * steps }
@@ -109,11 +123,12 @@ impl DistanceField {
         along.fold(0.0, f64::greatest) as u32
     }
 
-    /// The place of a position.
-    fn cell(&self, space: SpaceId, x: f64, y: f64) -> usize {
+    /// The space and the place in a state.
+    fn cell(&self, sim: &Simulator, state: &[u8]) -> (SpaceId, usize) {
+        let ((x, y), space) = (sim.position(state, self.slot), sim.space(state, self.slot));
         let grid = &self.grids[space.index()];
         let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).greatest(0.0) as usize).min(count - 1);
-        at(y, grid.bottom, grid.rows) * grid.columns + at(x, grid.left, grid.columns)
+        (space, at(y, grid.bottom, grid.rows) * grid.columns + at(x, grid.left, grid.columns))
     }
 }
 

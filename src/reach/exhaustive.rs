@@ -26,7 +26,7 @@ use super::region::GoalRegion;
 use super::search_context::{Extension, Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::strategy::Choice;
-use super::tree::{NodeId, Tree};
+use super::tree::NodeId;
 
 /// The cost of looking up a state, in units of work.
 const LOOKUP_WORK: u64 = 64;
@@ -158,6 +158,8 @@ pub(super) struct Exhaustive<'a> {
     region: GoalRegion,
     change: Change,
     hashes: DefaultHashBuilder,
+    /// The hash of each node's state.
+    state_hashes: Vec<u64>,
     /// The nodes, by state and mark.
     known: HashTable<u32>,
     /// If held inputs can continue: one node for each state at which new inputs were tried.
@@ -169,6 +171,8 @@ pub(super) struct Exhaustive<'a> {
     /// The shortest path so far: its steps, its last choice and the steps of that.
     found: Option<(u32, Choice, u16)>,
     point: Point,
+    /// For the states of nodes.
+    buffer: Vec<u8>,
 }
 
 impl<'a> Exhaustive<'a> {
@@ -183,6 +187,7 @@ impl<'a> Exhaustive<'a> {
             context,
             change,
             hashes: DefaultHashBuilder::default(),
+            state_hashes: Vec::new(),
             known: HashTable::new(),
             expanded: HashTable::new(),
             marks: Vec::new(),
@@ -190,6 +195,7 @@ impl<'a> Exhaustive<'a> {
             expansion: None,
             found: None,
             point: Point::default(),
+            buffer: Vec::new(),
         }
     }
 
@@ -206,14 +212,12 @@ impl<'a> Exhaustive<'a> {
                 false => NONE,
             };
             let mark = (held, self.context.first_step(root));
-            let hash = hashed(&self.hashes, self.context.tree.state(root), mark);
-            self.keep(root, mark, hash);
+            self.keep(root, mark, self.hashes.hash_one(self.context.reached()));
         }
     }
 
-    /// Stores a new node with its mark.
-    fn keep(&mut self, node: NodeId, mark: Mark, hash: u64) {
-        let tree = &self.context.tree;
+    /// Stores the node that was added last with its mark, and the hash of its state.
+    fn keep(&mut self, node: NodeId, mark: Mark, state_hash: u64) {
         let distance = match self.order {
             Order::Breadth { .. } => 0.0,
             Order::Best(_) => {
@@ -221,13 +225,17 @@ impl<'a> Exhaustive<'a> {
                 self.region.distance(&self.point)
             }
         };
-        self.order.push(node, tree.depth(node), distance);
+        self.order.push(node, self.context.tree.depth(node), distance);
         if self.change.continues() || self.context.problem.is_foretold() {
             self.marks.push(mark);
         }
-        let (marks, hashes) = (&self.marks, &self.hashes);
-        let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), mark_of(marks, *id));
-        match find(&mut self.known, tree, marks, hash, node) {
+        self.state_hashes.push(state_hash);
+        let (tree, marks, state_hashes) = (&self.context.tree, &self.marks, &self.state_hashes);
+        let rehash = |id: &u32| self.hashes.hash_one((state_hashes[*id as usize], mark_of(marks, *id)));
+        let hash = rehash(&node.0);
+        let state = self.context.reached();
+        let is_same = |id: &u32| mark_of(marks, *id) == mark && tree.has_state(NodeId(*id), state);
+        match self.known.find_mut(hash, is_same) {
             // The same state was reached later before.
             Some(later) => *later = node.0,
             None => {
@@ -244,20 +252,20 @@ impl<'a> Exhaustive<'a> {
             if !self.change.continues() {
                 return Some(Expansion { node, continues: false, new_inputs: (0, inputs) });
             }
-            let (tree, hashes) = (&self.context.tree, &self.hashes);
-            let (state, (held, step)) = (tree.state(node), mark_of(&self.marks, node.0));
-            let hash = hashed(hashes, state, (held, step));
-            if find(&mut self.known, tree, &self.marks, hash, node).is_none_or(|known| *known != node.0) {
+            let (tree, hashes, state_hashes) = (&self.context.tree, &self.hashes, &self.state_hashes);
+            let (state, (held, step)) = (tree.state(node, &mut self.buffer), mark_of(&self.marks, node.0));
+            let hash_of = |id: u32, mark: Mark| hashes.hash_one((state_hashes[id as usize], mark));
+            if self.known.find(hash_of(node.0, (held, step)), |id| *id == node.0).is_none() {
                 // The same state was reached sooner in the meantime.
                 continue;
             }
             let marks = &self.marks;
             let new_from = |id: u32| (NONE, mark_of(marks, id).1);
-            let hash = hashed(hashes, state, (NONE, step));
-            let is_same = |id: &u32| new_from(*id) == (NONE, step) && tree.state(NodeId(*id)) == state;
+            let hash = hash_of(node.0, (NONE, step));
+            let is_same = |id: &u32| new_from(*id) == (NONE, step) && tree.has_state(NodeId(*id), state);
             let is_new = self.expanded.find(hash, is_same).is_none();
             if is_new {
-                let rehash = |id: &u32| hashed(hashes, tree.state(NodeId(*id)), new_from(*id));
+                let rehash = |id: &u32| hash_of(*id, new_from(*id));
                 self.expanded.insert_unique(hash, node.0, rehash);
             }
             return Some(Expansion { node, continues: held != NONE, new_inputs: (0, if is_new { inputs } else { 0 }) });
@@ -290,14 +298,14 @@ impl<'a> Exhaustive<'a> {
                     false => 0,
                 };
                 let (tree, all, mark) = (&self.context.tree, &self.marks, (held, step));
-                let hash = hashed(&self.hashes, state, mark);
-                let is_same = |id: &u32| mark_of(all, *id) == mark && tree.state(NodeId(*id)) == state;
-                let known = self.known.find(hash, is_same);
+                let state_hash = self.hashes.hash_one(state);
+                let is_same = |id: &u32| mark_of(all, *id) == mark && tree.has_state(NodeId(*id), state);
+                let known = self.known.find(self.hashes.hash_one((state_hash, mark)), is_same);
                 // A longer hold may reach it before a shorter one that started later.
                 let later = |id: &u32| tree.depth(NodeId(*id)) > depth + u32::from(choice.hold);
                 if known.is_none_or(|id| self.is_breadth_first() && later(id)) {
                     let id = self.context.add(choice, false);
-                    self.keep(id, mark, hash);
+                    self.keep(id, mark, state_hash);
                 }
             }
         }
@@ -390,6 +398,10 @@ impl Searcher for Exhaustive<'_> {
         self.context.notes.statistics.nodes
     }
 
+    fn work(&self) -> u64 {
+        self.context.meter.total()
+    }
+
     fn places(&self) -> u64 {
         self.context.notes.coverage.count().places
     }
@@ -399,7 +411,7 @@ impl Searcher for Exhaustive<'_> {
     }
 
     fn bytes(&self) -> usize {
-        let tables = (self.known.capacity() + self.expanded.capacity()) * 5;
+        let tables = (self.known.capacity() + self.expanded.capacity()) * 5 + self.state_hashes.capacity() * 8;
         self.context.bytes() + tables + self.marks.capacity() * size_of::<Mark>() + self.order.bytes()
     }
 
@@ -414,20 +426,4 @@ impl Searcher for Exhaustive<'_> {
 /// What tells a node apart.
 fn mark_of(marks: &[Mark], node: u32) -> Mark {
     marks.get(node as usize).copied().unwrap_or(UNMARKED)
-}
-
-fn hashed(hashes: &DefaultHashBuilder, state: &[u8], mark: Mark) -> u64 {
-    hashes.hash_one((state, mark))
-}
-
-/// The entry of a node's state and mark.
-fn find<'t>(
-    known: &'t mut HashTable<u32>,
-    tree: &Tree,
-    marks: &[Mark],
-    hash: u64,
-    node: NodeId,
-) -> Option<&'t mut u32> {
-    let (state, mine) = (tree.state(node), mark_of(marks, node.0));
-    known.find_mut(hash, |id| mark_of(marks, *id) == mine && tree.state(NodeId(*id)) == state)
 }

@@ -1,9 +1,13 @@
 //! The positions of a player at which a goal can hold, derived from its predicate: boxes per space. The distance field
-//! (`distance.rs`) starts from them.
+//! (`distance.rs`) starts from those that lead to the goal: it also follows the guards of the edges into a mode that the
+//! goal asks for, and what is not a player but moves, such as a crate that has to stand on a plate.
 
+use std::cell::Cell;
+
+use crate::analysis::ConfigurationSpace;
 use crate::ir::{
-    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Extremes, Origin, SlotId, Space, SpaceId, Subject, TagSet,
-    TouchId, VarId,
+    Arithmetic, Bounds, Collider, CompareOp, Expr, ExprId, Extremes, LeafId, ModeId, Origin, SlotId, Space, SpaceId,
+    Subject, TagSet, TouchId, VarId,
 };
 
 use super::around::images;
@@ -12,6 +16,9 @@ use super::problem::Problem;
 
 /// Maximum number of boxes per goal.
 const MAX_BOXES: usize = 4096;
+/// Maximum number of edges in a row that are followed back from a goal, and of guards that are read for it.
+const MAX_EDGES: u8 = 4;
+const MAX_GUARDS: u32 = 10_000;
 
 /// A box of positions of a player, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,9 +55,46 @@ impl PositionBox {
 /// The first player whose position the goal restricts, with the boxes.
 pub(super) fn goal_positions(problem: &Problem<'_>) -> Option<(SlotId, Vec<PositionBox>)> {
     problem.players().iter().find_map(|&player| {
-        let places = Finder { problem, player }.places(problem.predicate())?;
+        let places = Finder { problem, player, back: None, owner: None }.places(problem.predicate())?;
         Some((player, places))
     })
+}
+
+/// Where somebody has to be for the goal to come about.
+pub(super) struct Lead {
+    /// Who: the first player of whom that is known, else the first other instance that moves.
+    pub slot: SlotId,
+    /// The positions.
+    pub boxes: Vec<PositionBox>,
+    /// Whether the goal holds only with the player there; else the positions are those from which an edge leads on.
+    pub is_goal: bool,
+}
+
+/// What leads to the goal; `None` if that depends on nobody's position.
+pub(super) fn lead(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Lead> {
+    if let Some((slot, boxes)) = goal_positions(problem) {
+        return Some(Lead { slot, boxes, is_goal: true });
+    }
+    let players = problem.players().iter().copied();
+    let is_other = |slot: &SlotId| !problem.players().contains(slot) && is_moving(problem, space, *slot);
+    let others = problem.sim.world().slots.ids().filter(is_other);
+    let guards = Cell::new(MAX_GUARDS);
+    players.chain(others).find_map(|slot| {
+        let back = Some(Back { space, edges: MAX_EDGES, guards: &guards });
+        let finder = Finder { problem, player: slot, back, owner: None };
+        let boxes = finder.places(problem.predicate())?;
+        (!boxes.is_empty()).then_some(Lead { slot, boxes, is_goal: false })
+    })
+}
+
+/// Whether an instance that is there at first may be elsewhere later.
+fn is_moving(problem: &Problem<'_>, space: &ConfigurationSpace, slot: SlotId) -> bool {
+    let (world, known) = (problem.sim.world(), &space.slots[slot]);
+    let is_away = |var: VarId| {
+        let at = world.slots[slot].vars[var][0];
+        known.configurations.iter().flat_map(|c| c.vars[var][0].intervals()).any(|v| v.low < at || v.high > at)
+    };
+    world.slots[slot].origin != Origin::Free && (known.is_given_up || VarId::XY.into_iter().any(is_away))
 }
 
 /// The least distance of some places of a player to where the target can hold, px; `None` if it does not restrict the
@@ -89,15 +133,29 @@ pub(super) fn overlapping(mine: &Bounds, other: &Bounds) -> [(f64, f64); 2] {
     [(other.left - mine.right, other.right - mine.left), (other.bottom - mine.top, other.top - mine.bottom)]
 }
 
+/// How far edges are followed back.
+#[derive(Clone, Copy)]
+struct Back<'a> {
+    space: &'a ConfigurationSpace,
+    /// How many edges, and how many guards may still be read.
+    edges: u8,
+    guards: &'a Cell<u32>,
+}
+
 struct Finder<'a> {
     problem: &'a Problem<'a>,
+    /// Whose positions are looked for.
     player: SlotId,
+    /// Whether what the guards of edges ask for counts, too.
+    back: Option<Back<'a>>,
+    /// The instance of which the expression is part; none of a predicate of the world.
+    owner: Option<SlotId>,
 }
 
 impl Finder<'_> {
     /// Boxes of which the player must be in one for an expression to hold; `None` if it is unrestricted.
     fn places(&self, id: ExprId) -> Option<Vec<PositionBox>> {
-        let is_mine = |of: Subject| of == Subject::Slot(self.player);
+        let is_mine = |of: Subject| self.slot(of) == Some(self.player);
         match self.problem.sim.program().exprs[id] {
             Expr::Bool(false) => Some(Vec::new()),
             Expr::And(a, b) => match (self.places(a), self.places(b)) {
@@ -123,8 +181,81 @@ impl Finder<'_> {
                 Some(vec![PositionBox { space: Some(space), ..PositionBox::ANYWHERE }])
             }
             Expr::Touching(of, touch) if is_mine(of) => self.touching(touch),
+            Expr::Touching(of, touch) => self.touched_by(self.slot(of)?, touch),
+            Expr::InMode(of, mode) => self.entering(self.slot(of)?, mode),
             _ => None,
         }
+    }
+
+    /// Whose instance it is at first.
+    fn slot(&self, subject: Subject) -> Option<SlotId> {
+        match subject {
+            Subject::Slot(slot) => Some(slot),
+            Subject::Me => self.owner,
+            Subject::Ref(id) => self.problem.sim.world().slots[self.owner?].refs.get(id).copied().flatten(),
+            _ => None,
+        }
+    }
+
+    /// The positions from which edges lead into a mode.
+    fn entering(&self, slot: SlotId, mode: ModeId) -> Option<Vec<PositionBox>> {
+        let entity = &self.problem.sim.program().entities[self.problem.sim.world().slots[slot].entity];
+        let leaves: Vec<LeafId> = entity.modes.get(mode)?.leaves.ids().collect();
+        self.leading_into(slot, &leaves)
+    }
+
+    /// The positions from which edges lead to some leaves; `None` if there is an edge of which that is not known.
+    fn leading_into(&self, slot: SlotId, wanted: &[LeafId]) -> Option<Vec<PositionBox>> {
+        let back = self.back.filter(|back| back.edges > 0)?;
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let entity = &program.entities[world.slots[slot].entity];
+        let enters = |mode: ModeId| entity.enterable(mode).ids().any(|leaf| wanted.contains(&leaf));
+        let mut first = entity.groups.iter().flat_map(|g| g.choices.iter().map(|c| c.mode).chain([g.first]));
+        if first.any(enters) {
+            return None;
+        }
+        let before = Finder { back: Some(Back { edges: back.edges - 1, ..back }), owner: Some(slot), ..*self };
+        let mut all = Vec::new();
+        for (leaf, from) in entity.leaves.pairs().filter(|(leaf, _)| !wanted.contains(leaf)) {
+            for edge in from.edges.iter().map(|edge| &entity.edges[*edge]) {
+                if !edge.target.is_some_and(enters) {
+                    continue;
+                }
+                back.guards.set(back.guards.get().checked_sub(1)?);
+                all.extend(match before.places(edge.guard) {
+                    Some(places) => places,
+                    None => before.leading_into(slot, &[leaf])?,
+                });
+            }
+        }
+        all.truncate(MAX_BOXES);
+        (!all.is_empty()).then_some(all)
+    }
+
+    /// The positions at which a still instance touches a collider of the player.
+    fn touched_by(&self, other: SlotId, touch: TouchId) -> Option<Vec<PositionBox>> {
+        let back = self.back?;
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let entity = &program.entities[world.slots[other].entity];
+        let touch = entity.touches.get(touch)?;
+        if world.slots[other].origin == Origin::Free || is_moving(self.problem, back.space, other) {
+            return None;
+        }
+        let (x, y) = (world.slots[other].vars[VarId::X][0], world.slots[other].vars[VarId::Y][0]);
+        let theirs = entity.colliders.iter().filter(|c| c.tags.meets(touch.mine));
+        let theirs: Vec<Bounds> = theirs.map(|c| extent(self.problem, other, c)).collect::<Option<_>>()?;
+        let wanted = TagSet::of(touch.other);
+        let mine = program.entities[world.slots[self.player].entity].colliders.iter().filter(|c| c.tags.meets(wanted));
+        let mut places = Vec::new();
+        for collider in mine {
+            let mine = extent(self.problem, self.player, collider)?;
+            places.extend(theirs.iter().flat_map(|b| {
+                let target = Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y };
+                let [x, y] = overlapping(&mine, &target);
+                images(world, PositionBox { space: Some(world.slots[other].space), x, y })
+            }));
+        }
+        (!places.is_empty()).then_some(places)
     }
 
     /// An expression as `a·x + b·y + c` of the player's position; other instances are at their initial positions.
@@ -134,13 +265,13 @@ impl Finder<'_> {
         match program.exprs[id] {
             Expr::Number(n) => constant(n),
             Expr::Negate(a) => self.linear(a).map(|a| a.map(|a| -a)),
-            Expr::Var(Subject::Slot(slot), var, 0) if slot == self.player => match var {
-                VarId::X => Some([1.0, 0.0, 0.0]),
-                VarId::Y => Some([0.0, 1.0, 0.0]),
-                _ => None,
+            Expr::Var(of, var, 0) => match (self.slot(of)?, var) {
+                (slot, VarId::X) if slot == self.player => Some([1.0, 0.0, 0.0]),
+                (slot, VarId::Y) if slot == self.player => Some([0.0, 1.0, 0.0]),
+                (slot, _) if slot == self.player => None,
+                (slot, var) => constant(world.slots[slot].vars.get(var)?[0]),
             },
-            Expr::Var(Subject::Slot(slot), var, 0) => constant(world.slots[slot].vars[var][0]),
-            Expr::Param(Subject::Slot(slot), param) => constant(world.slots[slot].params[param]),
+            Expr::Param(of, param) => constant(*world.slots[self.slot(of)?].params.get(param)?),
             Expr::Arithmetic(op, a, b) => {
                 let (a, b) = (self.linear(a)?, self.linear(b)?);
                 let is_constant = |v: [f64; 3]| v[0] == 0.0 && v[1] == 0.0;
@@ -188,7 +319,7 @@ impl Finder<'_> {
     fn touching(&self, touch: TouchId) -> Option<Vec<PositionBox>> {
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let entity = &program.entities[world.slots[self.player].entity];
-        let touch = entity.touches[touch];
+        let touch = entity.touches.get(touch)?;
         let wanted = TagSet::of(touch.other);
         let mut targets: Vec<(SpaceId, Bounds)> = Vec::new();
         for (id, space) in world.spaces.pairs() {

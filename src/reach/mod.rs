@@ -15,6 +15,7 @@
 //! Every state created on the way is checked against the analysis (`monitor.rs`). A state outside shows that the
 //! analysis is wrong about this world: proofs that rest on it are withdrawn.
 
+mod ahead;
 mod around;
 mod bounds;
 mod conclusion;
@@ -29,11 +30,13 @@ mod explore;
 mod goal_positions;
 mod improve_duration;
 mod interval;
+mod lost;
 mod luck;
 mod metric;
 mod monitor;
 mod nearest;
 mod outcome;
+mod packed_states;
 mod planners;
 mod portfolio;
 mod probability;
@@ -51,6 +54,7 @@ mod shorten;
 mod start_hold;
 mod strategy;
 pub mod stuck;
+mod style;
 mod trail;
 mod tree;
 pub mod why_not;
@@ -77,6 +81,7 @@ pub use problem::{BadStart, Problem, Start, StateStatus, Target, Termination};
 pub use proof::{Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
 pub use shorten::shorten;
+pub use style::{Style, improve_style};
 pub use trail::{TileTrail, Trail};
 
 use crate::analysis::{ConfigurationSpace, endless, watched_space};
@@ -85,13 +90,13 @@ use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
 
 use monitor::monitored;
+use search::{Interlude, search_asking};
 
-/// Number of nodes of a quick search; an answer within them needs no finer analysis.
+/// Number of nodes after which a search pauses for a finer analysis; an answer within them needs none.
 const QUICK_NODES: u64 = 4_000;
 
 /// Asks the analysis whether the target can hold at all; if so, searches for a path to it. With the planner `auto`, a
-/// quick search without an answer is followed by an analysis that distinguishes players by place, before the search
-/// continues.
+/// search that has found nothing for a while pauses for an analysis that distinguishes players by place.
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
@@ -141,24 +146,26 @@ fn reach_monitored(
     if let Some(far) = TooFar::of(problem, space, watch)? {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
     }
-    if settings.planner == Planner::Auto && limits.nodes > QUICK_NODES {
-        let quick = search(problem, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch)?;
-        if quick.verdict != Verdict::NotFound || quick.end != End::Nodes {
-            return Ok(quick);
-        }
+    let mut proof = None;
+    let mut closer_proof = || -> bool {
         let closer = whole.clone().by_place(of, world, &nevers, watch);
-        if let Some(proof) = Proof::of(problem, &closer) {
-            if let Some(monitor) = problem.monitor() {
-                // The quick search was monitored against less than this proof rests on, so it is repeated.
-                let finer_monitor = Monitor::new(&closer, program, world);
-                let again = problem.clone().monitored(&finer_monitor);
-                search(&again, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch)?;
-                finer_monitor.refutation().into_iter().for_each(|refutation| monitor.note(refutation));
-            }
-            return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
+        proof = Proof::of(problem, &closer);
+        if let (Some(_), Some(monitor)) = (&proof, problem.monitor()) {
+            // The search was monitored against less than this proof rests on, so its beginning is repeated. A fault at
+            // the start would have ended it already.
+            let finer_monitor = Monitor::new(&closer, program, world);
+            let again = problem.clone().monitored(&finer_monitor);
+            let _ = search(&again, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch);
+            finer_monitor.refutation().into_iter().for_each(|refutation| monitor.note(refutation));
         }
+        proof.is_some()
+    };
+    let is_auto = settings.planner == Planner::Auto && limits.nodes > QUICK_NODES;
+    let interlude = is_auto.then_some(Interlude { nodes: QUICK_NODES, ends: &mut closer_proof });
+    let outcome = search_asking(problem, space, settings, limits, watch, interlude)?;
+    if let Some(proof) = proof {
+        return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
     }
-    let outcome = search(problem, space, settings, limits, watch)?;
     // The engine of the page has no room for it.
     #[cfg(feature = "cli")]
     if settings.planner == Planner::Auto && settings.exhausts {

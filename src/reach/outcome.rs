@@ -114,6 +114,12 @@ pub struct Visited {
     pub at: [f32; 2],
 }
 
+/// Adds the nodes of another search to a record.
+pub(super) fn join_records(record: &mut Vec<Visited>, other: &[Visited]) {
+    let before = record.len() as u32;
+    record.extend(other.iter().map(|node| Visited { parent: node.parent + before, ..*node }));
+}
+
 /// Why a search came to an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]

@@ -1,4 +1,6 @@
-//! A portfolio: alternates several planners with different strengths. The first answer counts.
+//! A portfolio: alternates several planners with different strengths. The first answer counts. Their shares are shares
+//! of work, which a meter counts, so that they are the same on every machine: a node of one planner costs many times that
+//! of another.
 
 use super::outcome::Plan;
 use super::search_context::Notes;
@@ -8,15 +10,20 @@ use super::searcher::{Ending, Searcher};
 const TURN: u64 = 64;
 /// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
+/// As many places must one be nearer to the goal for others to go on from its way.
+const AHEAD: u32 = 3;
+/// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
+const NODE: u64 = 2_048;
 
-/// A planner with its share of the nodes.
+/// A planner with its share of the work.
 type Arm<'a> = (u64, Box<dyn Searcher + 'a>);
 
 /// Alternates planners.
 pub(super) struct Portfolio<'a> {
     arms: Vec<Arm<'a>>,
-    /// The notes of planners that gave up.
+    /// The notes of planners that gave up, and their work.
     spent: Notes,
+    spent_work: u64,
     /// The current planner, and the number of its nodes at which its turn ends.
     turn: Option<(usize, u64)>,
     /// Memory limit of an arm, bytes; the last one has no limit.
@@ -25,22 +32,38 @@ pub(super) struct Portfolio<'a> {
 }
 
 impl<'a> Portfolio<'a> {
-    /// Alternates planners with shares of the nodes; the first has the first turn.
+    /// Alternates planners; the first has the first turn.
     pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        Portfolio { arms, spent: Notes::default(), turn: None, memory, planner: "auto" }
+        Portfolio { arms, spent: Notes::default(), spent_work: 0, turn: None, memory, planner: "auto" }
     }
 
     fn retire(&mut self, at: usize) {
         self.turn = None;
-        self.arms.remove(at).1.report(&mut self.spent);
+        let (_, arm) = self.arms.remove(at);
+        self.spent_work += arm.work();
+        arm.report(&mut self.spent);
+    }
+
+    /// Lets all go on from the way of the one that came nearest to the goal, where it is ahead.
+    fn exchange(&mut self) {
+        let distances = self.arms.iter().enumerate().filter_map(|(at, (_, arm))| Some((arm.nearest()?, at)));
+        let Some((nearest, first)) = distances.min() else { return };
+        let is_behind = |arm: &dyn Searcher| arm.nearest().is_some_and(|other| other >= nearest.saturating_add(AHEAD));
+        if !self.arms.iter().any(|(_, arm)| is_behind(&**arm)) {
+            return;
+        }
+        let way = self.arms[first].1.way();
+        for (_, arm) in self.arms.iter_mut().filter(|(_, arm)| is_behind(&**arm)) {
+            arm.adopt(nearest, &way);
+        }
     }
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
         (0..self.arms.len()).min_by_key(|at| {
             let (share, arm) = &self.arms[*at];
-            arm.nodes() / share.max(&1)
+            arm.work().saturating_add(arm.nodes().saturating_mul(NODE)) / share.max(&1)
         })
     }
 }
@@ -56,6 +79,7 @@ impl Searcher for Portfolio<'_> {
             let (at, turn_ends) = match self.turn {
                 Some(turn) => turn,
                 None => {
+                    self.exchange();
                     let Some(at) = self.next() else { return Ending::Spent };
                     let (share, arm) = &self.arms[at];
                     (at, arm.nodes() + (arm.nodes() / SHARE).max(TURN * share))
@@ -91,6 +115,10 @@ impl Searcher for Portfolio<'_> {
         self.spent.statistics.nodes + self.arms.iter().map(|(_, arm)| arm.nodes()).sum::<u64>()
     }
 
+    fn work(&self) -> u64 {
+        self.spent_work + self.arms.iter().map(|(_, arm)| arm.work()).sum::<u64>()
+    }
+
     fn places(&self) -> u64 {
         self.arms.iter().map(|(_, arm)| arm.places()).max().unwrap_or(0)
     }
@@ -114,13 +142,14 @@ pub(super) struct Refinement<'a> {
     /// The last one is active.
     stages: Vec<Box<dyn Searcher + 'a>>,
     done: Notes,
+    done_work: u64,
 }
 
 impl<'a> Refinement<'a> {
     /// Runs at least one search, the coarsest first.
     pub fn new(mut stages: Vec<Box<dyn Searcher + 'a>>) -> Self {
         stages.reverse();
-        Refinement { stages, done: Notes::default() }
+        Refinement { stages, done: Notes::default(), done_work: 0 }
     }
 }
 
@@ -133,6 +162,7 @@ impl Searcher for Refinement<'_> {
             // The next one is finer.
             Ending::Spent if !is_last => {
                 if let Some(stage) = self.stages.pop() {
+                    self.done_work += stage.work();
                     stage.report(&mut self.done);
                 }
                 Ending::Paused
@@ -147,6 +177,10 @@ impl Searcher for Refinement<'_> {
 
     fn nodes(&self) -> u64 {
         self.done.statistics.nodes + self.stages.last().map_or(0, |stage| stage.nodes())
+    }
+
+    fn work(&self) -> u64 {
+        self.done_work + self.stages.last().map_or(0, |stage| stage.work())
     }
 
     fn places(&self) -> u64 {

@@ -7,12 +7,15 @@
 use rand::RngExt;
 
 use super::distance::DistanceField;
+use super::lost::Lost;
 use super::metric::Point;
 use super::outcome::Plan;
+use super::problem::Start;
 use super::region::GoalRegion;
 use super::search_context::{Extension, Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::strategy::{Choice, Growth, Strategy};
+use super::tree::NodeId;
 
 /// Maximum number of consecutive samples that a strategy may discard before its tree is abandoned.
 const MAX_DISCARDED: u64 = 10_000;
@@ -20,7 +23,12 @@ const MAX_DISCARDED: u64 = 10_000;
 /// Maximum number of consecutive trees without a node besides their root before the search ends.
 const MAX_EMPTY_TREES: u64 = 1_000;
 
-/// Cost of a sample, in units of work, without comparisons.
+/// Maximum number of states on a way that another search goes on from.
+const MAX_WAY: usize = 64;
+/// From each start as many trees are grown at least before the search ends because they are alike.
+const STARTED: u64 = 4;
+
+/// Cost of choosing an extension, in units of work, without comparisons.
 const SAMPLE_WORK: u64 = 512;
 
 /// Number of compared coordinates per unit of work: the index skips most nodes.
@@ -41,6 +49,13 @@ pub(super) struct Sampler<'a> {
     max_tree_nodes: u64,
     /// The distance field, if there is a time limit.
     distances: Option<&'a DistanceField>,
+    lost: &'a Lost,
+    /// The distance field, if ways are exchanged with other searches.
+    exchanged: Option<&'a DistanceField>,
+    /// The least distance of a node so far, and the node, if it is of the current tree.
+    nearest: (u32, Option<NodeId>),
+    /// The way to the nearest node of earlier trees.
+    way: Vec<Start>,
     round: u64,
     /// Number of coordinates of a point.
     coordinates: u64,
@@ -58,8 +73,10 @@ impl<'a> Sampler<'a> {
         name: &'static str,
         goal_bias: Option<f64>,
         restart: Option<u64>,
-        distances: Option<&'a DistanceField>,
+        (distances, lost): (Option<&'a DistanceField>, &'a Lost),
     ) -> Self {
+        // Near to an edge is not near to the goal: what is too fast there gets no further.
+        let exchanged = distances.filter(|of| of.is_goal() && context.can_exchange());
         let region = GoalRegion::new(context.problem, context.metric);
         let coordinates = context.metric.coordinates().len() as u64 + 1;
         Sampler {
@@ -70,6 +87,10 @@ impl<'a> Sampler<'a> {
             restart,
             max_tree_nodes: 0,
             distances: distances.filter(|_| context.problem.time().is_some()),
+            lost,
+            exchanged,
+            nearest: (u32::MAX, None),
+            way: Vec::new(),
             context,
             round: 0,
             coordinates,
@@ -80,8 +101,34 @@ impl<'a> Sampler<'a> {
         }
     }
 
+    /// Adds states on the latest way that was adopted as roots.
+    fn add_adopted(&mut self) {
+        for start in self.context.adopted() {
+            let root = self.context.add_root(start, true);
+            self.context.point(root, &mut self.point);
+            self.strategy.learn(&mut self.context, None, Growth::Added(root, &self.point));
+        }
+    }
+
+    /// Keeps the way to the nearest node of the tree, which is removed next.
+    fn keep_way(&mut self) {
+        if let Some(node) = self.nearest.1.take() {
+            self.way = self.context.way_to(node, MAX_WAY);
+        }
+    }
+
+    /// Notes the node that was added last if it is nearer to the goal than all others.
+    fn note_nearest(&mut self, node: NodeId) {
+        let Some(distances) = self.exchanged else { return };
+        let distance = distances.of(self.context.problem.sim, self.context.reached());
+        if distance < self.nearest.0 {
+            self.nearest = (distance, Some(node));
+        }
+    }
+
     /// Starts the next tree at the next start.
     fn start_tree(&mut self) {
+        self.keep_way();
         self.round += 1;
         self.discarded = 0;
         self.empty_trees = if self.context.tree.len() == 1 { self.empty_trees + 1 } else { 0 };
@@ -93,11 +140,18 @@ impl<'a> Sampler<'a> {
         self.context.notes.statistics.trees += 1;
         self.context.point(root, &mut self.point);
         self.strategy.learn(&mut self.context, None, Growth::Rooted(root, &self.point));
+        // Every other tree finds ways of its own: those of one way may all come too early.
+        if self.round.is_multiple_of(2) {
+            self.add_adopted();
+        }
     }
 
     fn is_over(&self) -> bool {
         let tree = &self.context.tree;
-        tree.len() as u64 >= self.max_tree_nodes || tree.open_nodes() == 0 || self.discarded >= MAX_DISCARDED
+        tree.len() as u64 >= self.max_tree_nodes
+            || tree.open_nodes() == 0
+            || self.discarded >= MAX_DISCARDED
+            || self.strategy.is_over()
     }
 
     fn choose(&mut self) -> Option<Choice> {
@@ -115,19 +169,25 @@ impl<'a> Sampler<'a> {
     /// Whether the remaining time at a depth is less than the lower bound from a state.
     fn is_too_late(&self, state: &[u8], depth: u32) -> bool {
         let (Some(most), Some(distances)) = (self.context.problem.time(), self.distances) else { return false };
-        let sim = self.context.problem.sim;
-        let (x, y) = sim.position(state, distances.player);
-        let rest = distances.least_steps(sim.space(state, distances.player), x, y);
-        depth.saturating_add(rest) > most
+        depth.saturating_add(distances.least_steps(self.context.problem.sim, state)) > most
     }
 
-    /// Whether all starts are too far away from the goal for the time limit, or all recent trees were empty.
+    /// Whether all starts are too far away from the goal for the time limit, or all recent trees were empty or alike.
     fn is_hopeless(&self) -> bool {
         let tree = &self.context.tree;
-        self.empty_trees >= MAX_EMPTY_TREES
+        let has_tried_all = self.round > STARTED * self.context.starts() as u64;
+        has_tried_all && self.strategy.is_spent()
+            || self.empty_trees >= MAX_EMPTY_TREES
             || self.empty_trees >= self.context.starts() as u64
                 && !tree.is_empty()
                 && self.context.start_states().all(|(state, depth)| self.is_too_late(state, depth))
+    }
+
+    /// The work of choosing an extension. Only samples are compared with nodes, in the worst case with all of them; if
+    /// others paid for that too, a large tree would get ever less of the work that is shared.
+    fn sample_work(&self) -> u64 {
+        let compared = if self.goal_bias.is_some() { self.context.tree.len() as u64 + 1 } else { 0 };
+        SAMPLE_WORK + self.coordinates * compared / COMPARISONS_PER_WORK
     }
 
     /// One iteration of the loop.
@@ -139,12 +199,13 @@ impl<'a> Sampler<'a> {
         };
         self.discarded = 0;
         match self.context.extend(choice) {
-            // From there, the goal is too far away for the remaining time.
+            // From there, the goal is too far away for the remaining time, or what it needs is used up.
             Extension::Open
-                if self.is_too_late(
-                    self.context.reached(),
-                    self.context.tree.depth(choice.node) + u32::from(choice.hold),
-                ) =>
+                if self.lost.is_in(self.context.problem.sim, self.context.reached())
+                    || self.is_too_late(
+                        self.context.reached(),
+                        self.context.tree.depth(choice.node) + u32::from(choice.hold),
+                    ) =>
             {
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Failed);
             }
@@ -152,6 +213,7 @@ impl<'a> Sampler<'a> {
                 let node = self.context.add(choice, true);
                 self.context.point(node, &mut self.point);
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Added(node, &self.point));
+                self.note_nearest(node);
             }
             Extension::Dead => self.strategy.learn(&mut self.context, Some(choice), Growth::Failed),
             Extension::Goal(steps) => {
@@ -166,9 +228,7 @@ impl Searcher for Sampler<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.context.notes.statistics.nodes.saturating_add(nodes);
         while self.context.notes.statistics.nodes < until {
-            // A sample is compared with nodes, in the worst case with all of them.
-            let compared = self.context.tree.len() as u64 + 1;
-            if self.context.meter.spend(SAMPLE_WORK + self.coordinates * compared / COMPARISONS_PER_WORK) {
+            if self.context.meter.spend(self.sample_work()) {
                 return Ending::Stopped;
             }
             if self.is_over() {
@@ -183,8 +243,30 @@ impl Searcher for Sampler<'_> {
         Ending::Paused
     }
 
+    fn nearest(&self) -> Option<u32> {
+        self.exchanged.map(|_| self.nearest.0)
+    }
+
+    fn way(&mut self) -> Vec<Start> {
+        self.keep_way();
+        self.way.clone()
+    }
+
+    fn adopt(&mut self, nearest: u32, way: &[Start]) {
+        self.nearest = (nearest, None);
+        self.way = way.to_vec();
+        self.context.adopt(way);
+        if !self.context.tree.is_empty() {
+            self.add_adopted();
+        }
+    }
+
     fn nodes(&self) -> u64 {
         self.context.notes.statistics.nodes
+    }
+
+    fn work(&self) -> u64 {
+        self.context.meter.total()
     }
 
     fn places(&self) -> u64 {
@@ -196,7 +278,7 @@ impl Searcher for Sampler<'_> {
     }
 
     fn planner(&self) -> &'static str {
-        self.name
+        self.strategy.planner().unwrap_or(self.name)
     }
 
     fn bytes(&self) -> usize {

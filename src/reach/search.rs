@@ -16,16 +16,19 @@ use super::controls::{ControlSets, reads_between};
 use super::coverage::mix;
 use super::distance::DistanceField;
 use super::exhaustive::{Change, Exhaustive};
+use super::lost::Lost;
 use super::metric::{Measure, Metric};
 use super::monitor::monitored;
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
-use super::planners::{Method, Planner};
+use super::planners::{Guidance, Method, Planner, blended};
 use super::portfolio::{Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
 use super::search_context::{Notes, SearchContext};
 use super::searcher::{Ending, Searcher};
 use super::start_hold::{StartStatus, finish_hold};
+use super::strategy::Strategy;
+use super::why_not::Margins;
 use super::window::Windows;
 
 /// Search settings.
@@ -121,8 +124,31 @@ pub fn search(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
+    search_asking(problem, space, settings, limits, watch, None)
+}
+
+/// What is asked once in a search that has not found anything yet: whether it can end there.
+pub(super) struct Interlude<'i> {
+    /// After this number of nodes.
+    pub nodes: u64,
+    /// The question.
+    pub ends: &'i mut dyn FnMut() -> bool,
+}
+
+/// As [`search`], with an interlude.
+///
+/// # Errors
+/// A [`Fault`] if the initial state breaks a rule.
+pub(super) fn search_asking(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    settings: &Settings,
+    limits: &Limits,
+    watch: &dyn Watch,
+    interlude: Option<Interlude<'_>>,
+) -> Result<Outcome, Fault> {
     monitored(problem, space, settings, |problem| {
-        let mut outcome = search_monitored(problem, space, settings, limits, watch)?;
+        let mut outcome = search_monitored(problem, space, settings, limits, watch, interlude)?;
         if let Some(monitor) = problem.monitor() {
             outcome.refute_by(monitor);
         }
@@ -136,6 +162,7 @@ fn search_monitored(
     settings: &Settings,
     limits: &Limits,
     watch: &dyn Watch,
+    interlude: Option<Interlude<'_>>,
 ) -> Result<Outcome, Fault> {
     let Some(all) = problem.starts(watch)? else { return Ok(Outcome::stopped(settings.planner)) };
     let is_alone = all.len() == 1;
@@ -168,10 +195,12 @@ fn search_monitored(
     let metric = Metric::measuring(problem.sim, space, (settings.sampling, windows.extent), settings.measure);
     let uses_distances = settings.planner.uses_distances() || settings.explains || problem.time().is_some();
     let distances = if uses_distances { DistanceField::new(problem, space, &Meter::new(watch)) } else { None };
+    let (margins, lost) = (Margins::new(problem), Lost::new(problem, space));
     let build = Builder {
         problem,
+        lost: &lost,
         measures: (&metric, &windows),
-        distances: distances.as_ref(),
+        guidance: Guidance { distances: distances.as_ref(), margins: &margins },
         settings,
         limits,
         starts: &starts,
@@ -179,14 +208,15 @@ fn search_monitored(
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     let reads_between = reads_between(problem);
-    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow())
+    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow(interlude))
 }
 
 /// Builds searchers.
 struct Builder<'b, 'a> {
     problem: &'a Problem<'a>,
     measures: (&'a Metric, &'a Windows),
-    distances: Option<&'a DistanceField>,
+    guidance: Guidance<'a>,
+    lost: &'a Lost,
     settings: &'b Settings,
     limits: &'b Limits,
     starts: &'b [Start],
@@ -198,14 +228,23 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner.method() {
             Method::Portfolio => {
-                let planners = match (self.distances, self.problem.time()) {
-                    (Some(_), None) => AUTO,
-                    (Some(_), Some(_)) => AUTO_IN_TIME,
-                    (None, _) => AUTO_WITHOUT_DISTANCES,
+                let (planner, hold) = (Planner::DistanceGuided, self.settings.hold);
+                let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
+                let led = |distances: Option<&'a DistanceField>| {
+                    let strategy = blended(self.problem, self.measures.0, Guidance { distances, ..self.guidance });
+                    self.sampler(planner, strategy, (tree, hold), (self.restart(distances), false))
                 };
-                let sampling =
-                    planners.iter().map(|(share, planner)| (*share, self.single(*planner, tree, self.settings.hold)));
-                let mut arms: Vec<_> = sampling.collect();
+                let [blended, by_time, coverage] = if self.problem.time().is_some() { IN_TIME } else { AUTO };
+                let mut arms = vec![(blended, led(self.guidance.distances))];
+                // Before the edge that leads on, something else may have to be done elsewhere.
+                let is_certain = self.guidance.distances.is_none_or(DistanceField::is_goal);
+                if !is_certain {
+                    arms.push((blended, led(None)));
+                }
+                let by_time = self.guidance.distances.map(|_| (by_time, Planner::TimeGuided));
+                for (share, planner) in by_time.into_iter().chain([(coverage, Planner::Coverage), (1, Planner::Rrt)]) {
+                    arms.push((share, self.single(planner, tree, self.settings.hold)));
+                }
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
                     arms.push((1, Box::new(self.refinement(tree))));
@@ -215,6 +254,17 @@ impl<'a> Builder<'_, 'a> {
             Method::Sampling { .. } | Method::Exhaustive { .. } => {
                 self.single(self.settings.planner, tree, self.settings.hold)
             }
+        }
+    }
+
+    /// Number of nodes of the shortest tree of `auto` that is led by distances and by coverage.
+    fn restart(&self, distances: Option<&DistanceField>) -> u64 {
+        // What is pushed gets stuck, and what comes too fast does not stop: then a tree finds more of the same.
+        let is_pushed = distances.is_some_and(|of| !self.problem.players().contains(&of.slot()));
+        match self.guidance.margins.is_empty() {
+            _ if is_pushed => RESTART_PUSHED,
+            false if distances.is_some() => RESTART_BY_NUMBERS,
+            _ => Planner::DistanceGuided.restart(),
         }
     }
 
@@ -248,7 +298,7 @@ impl<'a> Builder<'_, 'a> {
         let rng = Pcg64::seed_from_u64(seed);
         SearchContext::new(self.problem, self.measures, controls, starts, hold, rng, self.watch)
             .recording(self.settings.records)
-            .tracking(self.settings.explains, self.distances)
+            .tracking(self.settings.explains, self.guidance.distances)
     }
 
     /// The searcher of a single planner.
@@ -256,21 +306,8 @@ impl<'a> Builder<'_, 'a> {
         let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
         match planner.method() {
             Method::Sampling { samples, strategy } => {
-                let strategy = strategy(self.problem, self.measures.0, self.distances);
-                let restart = match self.settings.restart {
-                    Restart::ByPlanner => Some(planner.restart()),
-                    Restart::After(nodes) => Some(nodes),
-                    Restart::Never => None,
-                };
-                // What is never pressed and never released takes few changes, also where no mode reads it.
-                let controls = match self.problem.restriction() {
-                    Some(_) => ControlSets::complete(),
-                    None => ControlSets::default(),
-                };
-                let controls = controls.with_draws(self.problem);
-                let context = self.context(tree, controls, hold);
-                let goal_bias = samples.then_some(self.settings.goal_bias);
-                Box::new(Sampler::new(context, strategy, planner.name(), goal_bias, restart, self.distances))
+                let strategy = strategy(self.problem, self.measures.0, self.guidance);
+                self.sampler(planner, strategy, (tree, hold), (planner.restart(), samples))
             }
             Method::Portfolio | Method::Exhaustive { .. } => {
                 let least = self.problem.min_hold();
@@ -279,6 +316,37 @@ impl<'a> Builder<'_, 'a> {
                 Box::new(self.exhaustive(tree, change, is_best_first))
             }
         }
+    }
+
+    /// A searcher that grows trees with a strategy.
+    fn sampler(
+        &self,
+        planner: Planner,
+        strategy: Box<dyn Strategy + Send + 'a>,
+        (tree, hold): (usize, (u16, u16)),
+        (restart, samples): (u64, bool),
+    ) -> Box<dyn Searcher + 'a> {
+        let restart = match self.settings.restart {
+            Restart::ByPlanner => Some(restart),
+            Restart::After(nodes) => Some(nodes),
+            Restart::Never => None,
+        };
+        // What is never pressed and never released takes few changes, also where no mode reads it.
+        let controls = match self.problem.restriction() {
+            Some(_) => ControlSets::complete(),
+            None => ControlSets::default(),
+        };
+        let controls = controls.with_draws(self.problem);
+        let context = self.context(tree, controls, hold);
+        let goal_bias = samples.then_some(self.settings.goal_bias);
+        Box::new(Sampler::new(
+            context,
+            strategy,
+            planner.name(),
+            goal_bias,
+            restart,
+            (self.guidance.distances, self.lost),
+        ))
     }
 }
 
@@ -294,19 +362,19 @@ fn default_hold(planner: Planner, least: u16) -> (u16, u16) {
 /// Maximum hold for each step of a minimum hold.
 const MAX_HOLD: u16 = 4;
 
+/// Number of nodes of the shortest tree of `auto` where the goal depends on what is pushed, or on other numbers than
+/// positions.
+const RESTART_PUSHED: u64 = 3_000;
+const RESTART_BY_NUMBERS: u64 = 20_000;
+
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The sampling planners of `auto`, with their shares of the nodes. By measurement, the first solves most goals at a
-/// position soonest, the second most others, the third some that these do not. In addition, an exhaustive search with a
-/// share of 1 looks for proofs.
-const AUTO: [(u64, Planner); 3] = [(4, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// With a time limit, the first is the best by far.
-const AUTO_IN_TIME: [(u64, Planner); 3] = [(16, Planner::DistanceGuided), (4, Planner::Coverage), (1, Planner::Rrt)];
-/// Without a distance field, as the goal is not at a position: `distance-guided` then only favours places that were chosen less
-/// often.
-const AUTO_WITHOUT_DISTANCES: [(u64, Planner); 3] =
-    [(4, Planner::Coverage), (2, Planner::DistanceGuided), (1, Planner::Rrt)];
+/// The shares of the work in `auto`, as a rule and with a time limit: of the tree that is led by distances and by coverage,
+/// of trees that are led by time, where there are distances, and of one by coverage alone, where distances lead astray.
+/// RRT, which finds some things that these do not, and an exhaustive search, which looks for proofs, have a share of 1.
+const AUTO: [u64; 3] = [8, 8, 3];
+const IN_TIME: [u64; 3] = [10, 10, 1];
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {
@@ -325,7 +393,7 @@ struct ParallelSearch<'f, 'a> {
 impl ParallelSearch<'_, '_> {
     /// Grows all trees in rounds. In each round all grow equally, and the first tree in order with an answer wins, so
     /// the result does not depend on timing.
-    fn grow(mut self) -> Outcome {
+    fn grow(mut self, mut interlude: Option<Interlude<'_>>) -> Outcome {
         if self.watch.stop() {
             return self.outcome(Verdict::NotFound, End::Stopped, 0);
         }
@@ -335,12 +403,18 @@ impl ParallelSearch<'_, '_> {
             if left == 0 {
                 return self.unanswered(End::Nodes, 0);
             }
+            if let Some(interlude) = interlude.take_if(|interlude| interlude.nodes <= nodes)
+                && (interlude.ends)()
+            {
+                return self.unanswered(End::Stopped, 0);
+            }
             let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
             if bytes as u64 > self.limits.memory {
                 return self.unanswered(End::Memory, 0);
             }
             let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
             self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
+            let left = interlude.as_ref().map_or(left, |interlude| left.min(interlude.nodes - nodes));
             let share = (left / self.trees.len() as u64).clamp(1, ROUND);
             let endings = self.round(share);
             let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));

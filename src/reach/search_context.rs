@@ -14,7 +14,7 @@ use super::distance::DistanceField;
 use super::explore::Reached;
 use super::luck::{Luck, only_read};
 use super::metric::{Metric, Point};
-use super::outcome::{Cut, Plan, Statistics, Visited};
+use super::outcome::{Cut, Plan, Statistics, Visited, join_records};
 use super::problem::{Problem, Start, StateStatus, Termination};
 use super::strategy::Choice;
 use super::tree::{NodeId, Tree};
@@ -22,7 +22,10 @@ use super::why_not::{Nearest, Tracker};
 use super::window::Windows;
 
 /// Number of polls after which a final short replay is stopped: a few tenths of a second.
-const REPLAY_POLLS: u32 = 100;
+pub(super) const REPLAY_POLLS: u32 = 100;
+
+/// Of as many inputs, one holds anything of what only the modes ahead read, and one nothing; others go on as before.
+const HOLDS_AHEAD: u32 = 4;
 
 /// How an extension ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,8 +75,7 @@ impl Notes {
             self.fault = other.fault;
         }
         self.coverage.join(&other.coverage);
-        let before = self.record.len() as u32;
-        self.record.extend(other.record.iter().map(|v| Visited { parent: v.parent + before, ..*v }));
+        join_records(&mut self.record, &other.record);
         self.is_truncated |= other.is_truncated;
         self.has_open_draws |= other.has_open_draws;
         other.cuts.iter().for_each(|cut| self.cut(*cut));
@@ -115,14 +117,19 @@ pub struct SearchContext<'a> {
     pub(super) notes: Notes,
     /// Range of the number of steps for which an input is held.
     pub(super) hold: (u16, u16),
-    starts: Vec<Start>,
+    pub(super) starts: Vec<Start>,
+    /// Number of them that are of the question; the others are states on ways of other searches, of which `latest` came last.
+    own: usize,
+    pub(super) latest: usize,
     /// For each root of the tree, its start.
     roots: Vec<(NodeId, usize)>,
     scratch: Scratch,
     /// What nature draws, if it does.
-    luck: Option<Luck>,
-    /// The state after the last simulation.
+    pub(super) luck: Option<Luck>,
+    /// The state after the last simulation, or of the last root.
     work: Vec<u8>,
+    /// For states of nodes.
+    pub(super) buffer: Vec<u8>,
     /// Whether a state was outside the configuration space: one is enough.
     is_refuted: bool,
     /// The index of the tree's first node in the record, if nodes are recorded.
@@ -157,11 +164,14 @@ impl<'a> SearchContext<'a> {
                 let least = hold.0.max(problem.min_hold());
                 (least, hold.1.max(least))
             },
+            own: starts.len(),
+            latest: 0,
             starts,
             roots: Vec::new(),
             scratch: problem.sim.scratch(),
             luck,
             work: vec![0; size],
+            buffer: Vec::with_capacity(size),
             is_refuted: false,
             recorded: None,
             tracker: None,
@@ -182,23 +192,24 @@ impl<'a> SearchContext<'a> {
         self
     }
 
-    fn record(&mut self, node: NodeId, parent: NodeId) {
+    /// Records the node that was added last.
+    fn record(&mut self, parent: NodeId) {
         let (Some(begin), Some(&player)) = (self.recorded, self.problem.players().first()) else { return };
-        let state = self.tree.state(node);
         let place = |state: &[u8]| {
             let (x, y) = self.problem.sim.position(state, player);
             (self.problem.sim.space(state, player), [x as f32, y as f32])
         };
-        let (space, at) = place(state);
-        let before = Some(place(self.tree.state(parent))).filter(|(of, _)| *of == space).map(|(_, at)| at);
+        let (space, at) = place(&self.work);
+        let before = place(self.tree.state(parent, &mut self.buffer));
+        let before = Some(before).filter(|(of, _)| *of == space).map(|(_, at)| at);
         let parent = (begin + parent.index()) as u32;
         self.notes.record.push(Visited { parent, space, at });
         self.meter.watch().node(space.0 as usize, at, before);
     }
 
-    /// Number of starts.
+    /// Number of starts of the question.
     pub(super) fn starts(&self) -> usize {
-        self.starts.len()
+        self.own
     }
 
     /// Whether a start is one of several that nature could have led to.
@@ -208,7 +219,7 @@ impl<'a> SearchContext<'a> {
 
     /// The states of the starts, with the number of steps since the search began.
     pub(super) fn start_states(&self) -> impl Iterator<Item = (&[u8], u32)> {
-        self.starts.iter().map(|start| (&*start.state, start.steps()))
+        self.starts[..self.own].iter().map(|start| (&*start.state, start.steps()))
     }
 
     /// Removes the tree.
@@ -219,6 +230,7 @@ impl<'a> SearchContext<'a> {
         }
         self.tree.clear();
         self.roots.clear();
+        self.starts.drain(self.own..self.starts.len() - self.latest);
         self.luck.iter_mut().for_each(Luck::change);
         if let Some(begin) = &mut self.recorded {
             *begin = self.notes.record.len();
@@ -228,13 +240,14 @@ impl<'a> SearchContext<'a> {
     /// Adds a root at a start.
     pub(super) fn add_root(&mut self, start: usize, inputs_one_by_one: bool) -> NodeId {
         let (state, depth) = (&self.starts[start].state, self.starts[start].steps());
+        self.work.copy_from_slice(state);
         let set = self.controls.of(self.problem, state);
         let inputs = if inputs_one_by_one { self.controls.count(set) } else { 0 };
         let root = self.tree.add_root(state, depth, set, inputs);
         self.roots.push((root, start));
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, state);
-        self.record(root, root);
+        self.record(root);
         if let Some(tracker) = &mut self.tracker {
             tracker.add_root(self.problem.sim, &self.starts[start].state, root);
         }
@@ -283,6 +296,29 @@ impl<'a> SearchContext<'a> {
         Some(Choice { node, input, hold: self.draw_hold() })
     }
 
+    /// As [`SearchContext::draw_untried`], with what only the modes ahead read: as a rule, that stays as it was.
+    pub fn draw_untried_holding(&mut self, node: NodeId) -> Option<Choice> {
+        let choice = self.draw_untried(node)?;
+        Some(Choice { input: self.hold_ahead(node, choice.input), ..choice })
+    }
+
+    /// An input of a node with what only the modes ahead read.
+    fn hold_ahead(&mut self, node: NodeId, input: usize) -> usize {
+        let set = self.tree.set(node);
+        let combinations = self.controls.combinations_ahead(set);
+        if combinations == 1 {
+            return input;
+        }
+        let combination = match self.rng.random_range(0..HOLDS_AHEAD) {
+            0 => self.rng.random_range(0..combinations),
+            1 => 0,
+            _ => self.tree.before(node).map_or(0, |before| {
+                self.controls.combination_of(set, self.controls.input(self.tree.set(before.node), before.input))
+            }),
+        };
+        self.controls.holding_ahead(set, input, combination)
+    }
+
     /// The number of inputs of a node, tried or not.
     pub fn inputs(&self, node: NodeId) -> usize {
         self.controls.count(self.tree.set(node))
@@ -305,7 +341,7 @@ impl<'a> SearchContext<'a> {
     }
 
     fn simulate(&mut self, choice: Choice) -> Extension {
-        self.work.copy_from_slice(self.tree.state(choice.node));
+        self.work.copy_from_slice(self.tree.state(choice.node, &mut self.buffer));
         let set = self.tree.set(choice.node);
         let left = self.problem.time().map_or(u32::MAX, |most| most.saturating_sub(self.tree.depth(choice.node)));
         let mut was_beyond = self.windows.left(self.problem, &self.work).is_some();
@@ -392,7 +428,7 @@ impl<'a> SearchContext<'a> {
         self.notes.statistics.nodes += 1;
         self.notes.coverage.visit(self.problem, &self.work);
         let node = self.tree.push(&self.work, choice.node, (choice.input as u16, choice.hold), set, inputs);
-        self.record(node, choice.node);
+        self.record(choice.node);
         if let Some(tracker) = &mut self.tracker {
             tracker.add();
         }
@@ -404,7 +440,8 @@ impl<'a> SearchContext<'a> {
     fn check(&mut self, choice: Choice) {
         let Some(monitor) = self.problem.monitor().filter(|_| !self.is_refuted) else { return };
         self.notes.statistics.checked += 1;
-        if !monitor.contains_after(self.problem.sim.world(), &self.work, self.tree.state(choice.node)) {
+        let before = self.tree.state(choice.node, &mut self.buffer);
+        if !monitor.contains_after(self.problem.sim.world(), &self.work, before) {
             self.is_refuted = true;
             monitor.refute(self.problem, self.script(choice, choice.hold), &self.work, &self.meter);
         }
@@ -420,25 +457,25 @@ impl<'a> SearchContext<'a> {
         }
     }
 
-    /// The state after the last simulation.
+    /// The state after the last simulation, or of the root that was added after it.
     pub(super) fn reached(&self) -> &[u8] {
         &self.work
     }
 
     /// A node as a point of the sampled space.
-    pub fn point(&self, node: NodeId, out: &mut Point) {
-        self.metric.point(self.problem.sim.world(), self.tree.state(node), out);
+    pub fn point(&mut self, node: NodeId, out: &mut Point) {
+        self.metric.point(self.problem.sim.world(), self.tree.state(node, &mut self.buffer), out);
     }
 
     /// The start of the tree that a node is in.
-    fn start(&self, node: NodeId) -> &Start {
+    pub(super) fn start(&self, node: NodeId) -> &Start {
         let root = self.tree.root(node);
         let start = self.roots.iter().find(|(r, _)| *r == root).map_or(0, |(_, start)| *start);
         &self.starts[start]
     }
 
     /// The inputs from the initial state to the end of a choice that lasts `steps` steps.
-    fn script(&self, choice: Choice, steps: u16) -> Script {
+    pub(super) fn script(&self, choice: Choice, steps: u16) -> Script {
         let mut script = self.start(choice.node).script.clone();
         let last = Choice { hold: steps, ..choice };
         let Some(mut luck) = self.luck.clone() else {

@@ -1,6 +1,7 @@
 //! The interface of resumable searches: the planning loop, the exhaustive search and the portfolio.
 
 use super::outcome::{Exhaustion, Plan};
+use super::problem::Start;
 use super::search_context::Notes;
 
 /// How a part of a search ended.
@@ -31,8 +32,24 @@ pub(super) trait Searcher: Send {
     /// Number of nodes so far.
     fn nodes(&self) -> u64;
 
+    /// Its work so far, in units of a [`Meter`](crate::watch::Meter): what it cost, the same on every machine.
+    fn work(&self) -> u64;
+
     /// Maximum number of places covered by one of its trees so far.
     fn places(&self) -> u64;
+
+    /// The least distance of a node to the goal so far, in places; `None` if it does not count.
+    fn nearest(&self) -> Option<u32> {
+        None
+    }
+
+    /// The states on the way to the nearest node.
+    fn way(&mut self) -> Vec<Start> {
+        Vec::new()
+    }
+
+    /// Goes on from states on the way of another search as well, which came to a distance.
+    fn adopt(&mut self, _nearest: u32, _way: &[Start]) {}
 
     /// Adds its notes so far.
     fn report(&self, notes: &mut Notes);

@@ -42,6 +42,21 @@ pub trait Strategy {
     /// Learns the result of a choice; `choice` is `None` for a root.
     fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>);
 
+    /// Whether the tree has grown as far as it is to grow.
+    fn is_over(&self) -> bool {
+        false
+    }
+
+    /// Whether further trees would be like those before.
+    fn is_spent(&self) -> bool {
+        false
+    }
+
+    /// The name of the planner that made the last choice, if there are several.
+    fn planner(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Memory use, bytes.
     fn bytes(&self) -> usize;
 }

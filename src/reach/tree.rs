@@ -1,6 +1,7 @@
-//! The search tree as flat arrays by node. A node is a state, its parent, and the input that led there with its hold.
-//! States are stored in chunks, so a growing tree is never copied.
+//! The search tree as flat arrays by node. A node is a state (`packed_states.rs`), its parent, and the input that led
+//! there with its hold.
 
+use super::packed_states::PackedStates;
 use super::strategy::Choice;
 
 /// A node of a tree; 0 is the root.
@@ -14,16 +15,10 @@ impl NodeId {
     }
 }
 
-/// The size of a block of states, bytes.
-const CHUNK: usize = 1 << 18;
-
 /// A tree of states, or several with their own roots.
 #[derive(Debug, Default)]
 pub struct Tree {
-    stride: usize,
-    /// Binary logarithm of the number of states per chunk.
-    shift: u32,
-    chunks: Vec<Box<[u8]>>,
+    states: PackedStates,
     nodes: Vec<Node>,
     /// One bit per tried input; the bits of a node start at its `tried`.
     tried: Vec<u64>,
@@ -51,12 +46,12 @@ struct Node {
 impl Tree {
     /// An empty tree of states of a size in bytes.
     pub fn new(stride: usize) -> Self {
-        let stride = stride.max(1);
-        Tree { stride, shift: (CHUNK / stride).max(1).ilog2(), ..Tree::default() }
+        Tree { states: PackedStates::new(stride), ..Tree::default() }
     }
 
     /// Removes all nodes, but keeps the memory.
     pub fn clear(&mut self) {
+        self.states.clear();
         self.nodes.clear();
         self.tried.clear();
         self.open = 0;
@@ -79,42 +74,41 @@ impl Tree {
 
     /// Memory use, bytes.
     pub fn bytes(&self) -> usize {
-        let chunks = self.chunks.len() * (self.stride << self.shift);
-        chunks + self.nodes.capacity() * size_of::<Node>() + self.tried.capacity() * size_of::<u64>()
+        self.states.bytes() + self.nodes.capacity() * size_of::<Node>() + self.tried.capacity() * size_of::<u64>()
     }
 
     /// Adds a root at a depth in steps. `inputs` is the number of inputs of its control set, 0 if tried inputs are not
     /// tracked.
     pub fn add_root(&mut self, state: &[u8], depth: u32, set: u16, inputs: usize) -> NodeId {
-        let id = self.push(state, NodeId(self.nodes.len() as u32), (0, 0), set, inputs);
-        self.nodes[id.index()].depth = depth;
-        id
+        let id = NodeId(self.nodes.len() as u32);
+        self.states.push(state, depth, None);
+        self.insert(id, (0, 0), set, inputs, depth)
     }
 
     /// Adds a node that an input led to, held for some steps.
     pub fn push(&mut self, state: &[u8], parent: NodeId, (input, hold): (u16, u16), set: u16, inputs: usize) -> NodeId {
-        let id = self.nodes.len();
-        if id >> self.shift >= self.chunks.len() {
-            self.chunks.push(vec![0; self.stride << self.shift].into_boxed_slice());
-        }
-        let (chunk, from) = self.chunk_of(id);
-        self.chunks[chunk][from..from + state.len()].copy_from_slice(state);
+        let depth = self.depth(parent) + u32::from(hold);
+        self.states.push(state, depth, Some(parent.index()));
+        self.insert(parent, (input, hold), set, inputs, depth)
+    }
+
+    fn insert(&mut self, parent: NodeId, (input, hold): (u16, u16), set: u16, inputs: usize, depth: u32) -> NodeId {
+        let id = NodeId(self.nodes.len() as u32);
         let tried = self.tried.len() as u32;
         self.tried.resize(self.tried.len() + inputs.div_ceil(64), 0);
         self.open += usize::from(inputs > 0);
-        let depth = self.nodes.get(parent.index()).map_or(0, |parent| parent.depth) + u32::from(hold);
         self.nodes.push(Node { parent: parent.0, set, input, hold, untried: inputs as u16, tried, depth });
-        NodeId(id as u32)
+        id
     }
 
-    fn chunk_of(&self, index: usize) -> (usize, usize) {
-        (index >> self.shift, (index & ((1 << self.shift) - 1)) * self.stride)
+    /// The state of a node, perhaps in the buffer.
+    pub fn state<'s>(&'s self, node: NodeId, buffer: &'s mut Vec<u8>) -> &'s [u8] {
+        self.states.get(node.index(), buffer)
     }
 
-    /// The state of a node.
-    pub fn state(&self, node: NodeId) -> &[u8] {
-        let (chunk, from) = self.chunk_of(node.index());
-        &self.chunks[chunk][from..from + self.stride]
+    /// Whether a node has a state.
+    pub fn has_state(&self, node: NodeId, state: &[u8]) -> bool {
+        self.states.is(node.index(), state)
     }
 
     /// The control set of a node.
@@ -174,15 +168,15 @@ impl Tree {
         is_new
     }
 
+    /// The choice that led to a node; none to a root.
+    pub fn before(&self, node: NodeId) -> Option<Choice> {
+        let n = &self.nodes[node.index()];
+        self.parent(node).map(|parent| Choice { node: parent, input: usize::from(n.input), hold: n.hold })
+    }
+
     /// The choices from its root to a node.
     pub fn choices(&self, node: NodeId) -> Vec<Choice> {
-        let mut choices = Vec::new();
-        let mut at = node;
-        while let Some(parent) = self.parent(at) {
-            let n = &self.nodes[at.index()];
-            choices.push(Choice { node: parent, input: usize::from(n.input), hold: n.hold });
-            at = parent;
-        }
+        let mut choices: Vec<Choice> = std::iter::successors(self.before(node), |c| self.before(c.node)).collect();
         choices.reverse();
         choices
     }
@@ -221,14 +215,15 @@ mod tests {
 
     #[test]
     fn states_of_any_size_are_kept() {
-        for stride in [1, 8, 176, CHUNK - 8, CHUNK + 8] {
+        let mut buffer = Vec::new();
+        for stride in [1, 8, 176, 4_000, (1 << 18) - 8, (1 << 18) + 8] {
             let mut tree = Tree::new(stride);
             for round in 0..2u8 {
                 for i in 0..20u8 {
                     tree.add_root(&vec![i + round; stride], 0, 0, 1);
                 }
                 for i in 0..20u8 {
-                    assert_eq!(tree.state(NodeId(u32::from(i))), vec![i + round; stride]);
+                    assert_eq!(tree.state(NodeId(u32::from(i)), &mut buffer), vec![i + round; stride]);
                 }
                 tree.clear();
             }

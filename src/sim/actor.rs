@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::ir::{
     ButtonId, CompareOp, Drive, EdgeId, Entity, EntityId, Expr, ExprId, Extremes, GroupId, Id, IdVec, LeafId, ParamId,
-    Press, Program, Rest, Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
+    Press, Program, RefValue, Rest, Shape, SlotId, SlotLayout, Step, Subject, TimerId, TouchId, VarId, World,
 };
 
 use super::state::one_zero;
@@ -36,6 +36,8 @@ pub(super) struct Code {
     pub is_joint: bool,
     /// Whether there is a single group, which drives everything that changes.
     pub is_single: bool,
+    /// Whether its actions read nothing of other instances, change nothing but itself, and call for nothing else.
+    pub is_apart: bool,
 }
 
 /// The actions of a step while a leaf is active.
@@ -43,7 +45,9 @@ pub(super) struct Code {
 pub(super) struct Plan {
     /// Edges with a target, by their guards.
     pub edges: Vec<(Guard, EdgeId)>,
-    /// Whether there is anything else to run in the discrete phase.
+    /// The guards of edges without a target.
+    pub internal: Vec<Guard>,
+    /// Whether there may be more to run in the discrete phase, whatever these are.
     pub is_busy: bool,
     /// Flows that are constant while the leaf is active, each with the index of its variable.
     pub steady: Vec<(usize, Flow)>,
@@ -162,7 +166,9 @@ impl Code {
             Plan {
                 straight: (is_steady && moves_freely).then(straight).flatten(),
                 edges: leaf.edges.iter().map(|&edge| (Guard::new(entity.edges[edge].guard, at), edge)).collect(),
-                is_busy: !leaf.internal.is_empty() || !leaf.follows.is_empty(),
+                internal: leaf.internal.iter().map(|&edge| Guard::new(entity.edges[edge].guard, at)).collect(),
+                // A guard that needs a reference is not read without it.
+                is_busy: !leaf.follows.is_empty() || leaf.internal.iter().any(|&e| !entity.edges[e].needs.is_empty()),
                 is_steady,
                 steady,
                 drives,
@@ -175,10 +181,33 @@ impl Code {
             _ => None,
         };
         let limits = (!entity.clamps.is_empty()).then(|| limits(entity, number)).flatten();
+        let is_apart = exprs.iter().all(reads_itself) && acts_on_itself(entity);
         let is_joint = exprs.iter().any(|e| matches!(e, Expr::Joint(..)));
         let plans = entity.leaves.iter().map(plan).collect();
-        Code { plans, steady: all_steady, free, limits, is_joint, is_single, exprs }
+        Code { plans, steady: all_steady, free, limits, is_joint, is_single, is_apart, exprs }
     }
+}
+
+/// Whether an expression, its operands aside, reads nothing but the instance itself and its inputs.
+fn reads_itself(expr: &Expr) -> bool {
+    match expr {
+        Expr::Number(_) | Expr::Frames(_) | Expr::Bool(_) | Expr::Axis(_) | Expr::Button(..) | Expr::Timer(_) => true,
+        Expr::Negate(_) | Expr::Arithmetic(..) | Expr::Call(..) | Expr::Compare(..) => true,
+        Expr::And(..) | Expr::Or(..) | Expr::Not(_) | Expr::Joint(..) | Expr::Received(_) | Expr::Sum(_) => true,
+        Expr::Param(of, _) | Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::Touching(of, _) => *of == Subject::Me,
+        Expr::InMode(of, _) | Expr::InSpace(of, _) => *of == Subject::Me,
+        _ => false,
+    }
+}
+
+/// Whether the actions of an entity change its own variables and modes at most.
+fn acts_on_itself(entity: &Entity) -> bool {
+    let all = entity.modes.iter().map(|mode| &mode.entry).chain(entity.edges.iter().map(|edge| &edge.actions));
+    entity.follows.is_empty()
+        && all.into_iter().all(|a| {
+            let destroys_itself = a.destroys.iter().all(|of| matches!(of, RefValue::Of(Subject::Me)));
+            a.refs.is_empty() && a.spawns.is_empty() && a.sends.is_empty() && destroys_itself
+        })
 }
 
 /// Whether any envelope records its peak.

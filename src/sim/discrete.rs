@@ -49,7 +49,15 @@ impl Simulator {
             self.clear_signals(state);
             return Ok(());
         }
-        before.copy_from_slice(state);
+        // Nor of more than what is read: a large copy is a good part of a step.
+        if acting.iter().all(|acting| self.actors[acting.slot.index()].code.is_apart) {
+            for acting in acting.iter() {
+                let (from, to) = self.actors[acting.slot.index()].layout.block;
+                before[from..to].copy_from_slice(&state[from..to]);
+            }
+        } else {
+            before.copy_from_slice(state);
+        }
         self.clear_signals(state);
         for &ActingGroup { slot, group, choice } in acting.iter() {
             let actor = &self.actors[slot.index()];
@@ -82,7 +90,7 @@ impl Simulator {
                     let from = actor.layout.leaf(state, group);
                     let plan = &actor.code.plans[from];
                     let edge = first_edge(actor, state, frames, plan, alone);
-                    if edge.is_some() || plan.is_busy {
+                    if edge.is_some() || is_busy(actor, state, frames, plan, alone) {
                         let choice = edge.and_then(|edge| taken_edge(&alone(), &actor.entity, group, from, edge));
                         acting.push(ActingGroup { slot: actor.id, group, choice });
                     }
@@ -99,8 +107,10 @@ impl Simulator {
                 let choice = edge.and_then(|edge| taken_edge(&reader, entity, group, from, edge));
                 taken[own.start + group.index()] = choice;
             }
-            for (group, &choice) in actor.group_ids().zip(&taken[own]) {
-                if choice.is_some() || actor.code.plans[actor.layout.leaf(state, group)].is_busy {
+            for (group, &choice) in actor.group_ids().zip(&taken[own.clone()]) {
+                let plan = &actor.code.plans[actor.layout.leaf(state, group)];
+                let reader = || self.reader(actor, state, frames, &taken[own.clone()], fault);
+                if choice.is_some() || is_busy(actor, state, frames, plan, reader) {
                     acting.push(ActingGroup { slot, group, choice });
                 }
             }
@@ -264,23 +274,29 @@ fn first_edge<'a>(
     plan: &Plan,
     reader: impl Fn() -> Reader<'a>,
 ) -> Option<EdgeId> {
-    for &(guard, edge) in &plan.edges {
-        let holds = match guard {
-            Guard::Touching(touch, wanted) => actor.layout.touch(state, touch) == wanted,
-            Guard::Button(press, button, wanted) => {
-                frames.of(actor).is_some_and(|frame| frame.button(press, button)) == wanted
-            }
-            Guard::Within(var, degree, (low, high), wanted) => {
-                let value = actor.layout.moving_var(state, var, degree);
-                (low <= value && value <= high) == wanted
-            }
-            Guard::Expr(id) => reader().truth(id),
-        };
-        if holds {
-            return Some(edge);
+    plan.edges.iter().find(|(guard, _)| holds(actor, state, frames, *guard, &reader)).map(|(_, edge)| *edge)
+}
+
+/// Whether a group has anything to run in the discrete phase although it takes no edge.
+#[inline(always)]
+fn is_busy<'a>(actor: &Actor, state: &[u8], frames: &Frames, plan: &Plan, reader: impl Fn() -> Reader<'a>) -> bool {
+    plan.is_busy || plan.internal.iter().any(|guard| holds(actor, state, frames, *guard, &reader))
+}
+
+/// Whether a guard holds.
+#[inline(always)]
+fn holds<'a>(actor: &Actor, state: &[u8], frames: &Frames, guard: Guard, reader: &impl Fn() -> Reader<'a>) -> bool {
+    match guard {
+        Guard::Touching(touch, wanted) => actor.layout.touch(state, touch) == wanted,
+        Guard::Button(press, button, wanted) => {
+            frames.of(actor).is_some_and(|frame| frame.button(press, button)) == wanted
         }
+        Guard::Within(var, degree, (low, high), wanted) => {
+            let value = actor.layout.moving_var(state, var, degree);
+            (low <= value && value <= high) == wanted
+        }
+        Guard::Expr(id) => reader().truth(id),
     }
-    None
 }
 
 /// The transition of an edge, if it has a target.

@@ -226,7 +226,6 @@ impl<'a> Scanner<'a> {
         let rest = &self.bytes[i..];
         let word = word_length(rest);
         let is_word = |w: &str| word == w.len() && rest.starts_with(w.as_bytes());
-        // A line that begins with an operator goes on with the expression before, as `infix` in the grammar says.
         // A line that begins with an operator or an arrow goes on with what is before, as the grammar says.
         let joins = is_word("and") || is_word("or") || operator_length(rest) > 0 || rest[0] == b'{';
         let inside = self.parens.last().is_some_and(|&p| p > 0);

@@ -1,9 +1,11 @@
 //! Any edits, any requests: the server has the editor's text, shows what `check` finds in it, and answers all it is asked.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use hypedc::compile::{LevelFile, check_with};
+use lsp_server::{Message, RequestId};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -228,12 +230,43 @@ fn a_request_that_waits_can_be_cancelled_and_closed_documents_are_no_harm() {
     let params = json!({ "textDocument": { "uri": URI }, "position": { "line": 3, "character": 3 } });
     assert_eq!(client.request("textDocument/hover", params.clone()).unwrap(), Value::Null);
     client.open(URI, SLIME);
+    // Cancelled too late, and never sent.
     let id = client.send("textDocument/hover", params);
+    assert!(client.answer(&id).is_ok());
     client.notify("$/cancelRequest", json!({ "id": 5 }));
-    // Either it was answered before, or it says that it is cancelled.
-    if let Err((code, _)) = client.answer(&id) {
-        assert_eq!(code, -32800);
+    client.notify("$/cancelRequest", json!({ "id": 5_000 }));
+    assert!(client.stop());
+}
+
+/// A client that writes faster than the server answers.
+#[test]
+fn what_is_cancelled_or_void_before_it_is_begun_is_given_up() {
+    let text: String = (0..300).map(|number| SLIME.replace("entity Slime", &format!("entity Slime{number}"))).collect();
+    let mut client = Client::start(&[], json!({}));
+    client.open(URI, &text);
+    let params = json!({ "textDocument": { "uri": URI } });
+    let start = json!({ "line": 0, "character": 0 });
+    let mut asked = Vec::new();
+    for _ in 0..30 {
+        client.change(URI, json!([{ "range": { "start": start, "end": start }, "text": "// a\n" }]));
+        let outline = client.send("textDocument/documentSymbol", params.clone());
+        let folds = client.send("textDocument/foldingRange", params.clone());
+        client.notify("$/cancelRequest", json!({ "id": folds }));
+        asked.push((outline, folds));
     }
+    let mut codes: HashMap<RequestId, i32> = HashMap::new();
+    while codes.len() < 2 * asked.len() {
+        if let Message::Response(response) = client.receive(Duration::from_secs(120)).unwrap() {
+            codes.insert(response.id, response.response_result.err().map_or(0, |error| error.code));
+        }
+    }
+    let answers: Vec<[i32; 2]> = asked.iter().map(|(outline, folds)| [codes[outline], codes[folds]]).collect();
+    // The outline of a text that has changed since is not made; a request that is cancelled as it waits is not begun.
+    assert!(answers.iter().any(|[outline, _]| *outline == -32801), "{answers:?}");
+    assert!(answers.iter().any(|[_, folds]| *folds == -32800), "{answers:?}");
+    let allowed = |[outline, folds]: &[i32; 2]| [0, -32801].contains(outline) && [0, -32800, -32801].contains(folds);
+    assert!(answers.iter().all(allowed), "{answers:?}");
+    assert_eq!(answers.last().unwrap()[0], 0, "the last outline is of the text as it is");
     assert!(client.stop());
 }
 

@@ -1,5 +1,7 @@
 //! What helps while one writes: completion, signatures, colours, hints, what can be run.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde_json::{Value, json};
 
 use super::SLIME;
@@ -308,6 +310,64 @@ fn names_have_colours() {
     range["range"] = json!({ "start": { "line": 2, "character": 0 }, "end": { "line": 3, "character": 0 } });
     session.ask_all("textDocument/semanticTokens/range", range);
     insta::assert_snapshot!(session.end());
+}
+
+#[test]
+fn a_tag_has_one_colour_wherever_it_stands() {
+    let text = "entity Hero {
+    collider body, \"soft spot\": rect(0, 0, 8, 8)
+    mode walk {
+        when touching(body, wall) or touching(\"soft spot\", spike) -> fall
+        when count(spike) > 0 and touching(body, coin) -> fall
+    }
+    mode fall { }
+}
+entity Coin {
+    collider coin: rect(0, 0, 8, 8)
+    mode lies { }
+}
+world W {
+    collide body with wall: block
+    collide \"soft spot\" with spike, coin: sense
+    tiles Tiles 8 x 8 {
+        '.': empty
+        '#': wall
+        '^': spike
+    }
+    space main {
+        map Tiles \"
+        ..
+        ##
+        \"
+        place hero: Hero at (0, 0)
+        place coin: Coin at (0, 0)
+    }
+    goal hurt: hero touching spike
+}
+";
+    for grammar in [false, true] {
+        let capabilities = json!({ "textDocument": { "semanticTokens": { "augmentsSyntaxTokens": grammar } } });
+        let mut client = Client::start(&[], capabilities);
+        client.open(&uri("a.hyped"), text);
+        let legend = client.capabilities["capabilities"]["semanticTokensProvider"]["legend"].clone();
+        let document = json!({ "textDocument": { "uri": uri("a.hyped") } });
+        let full = client.request("textDocument/semanticTokens/full", document).unwrap();
+        let mut kinds: BTreeMap<String, (usize, BTreeSet<String>)> = BTreeMap::new();
+        for token in tokens(text, &full["data"], &legend) {
+            let (word, kind) = token.split_once(' ').unwrap().1.rsplit_once(": ").unwrap();
+            if kind.starts_with("label") {
+                let role = kind.replace(" declaration", "");
+                let (count, all) = kinds.entry(word.to_string()).or_default();
+                *count += 1;
+                all.insert(role);
+            }
+        }
+        let shown: Vec<String> = kinds.iter().map(|(tag, (count, all))| format!("{tag} {count}: {all:?}")).collect();
+        insta::assert_snapshot!("colours_of_tags", shown.join("\n"));
+        assert!(kinds.values().all(|(_, all)| all.len() == 1), "{shown:?}");
+        let different: BTreeSet<_> = kinds.values().map(|(_, all)| all).collect();
+        assert_eq!(different.len(), kinds.len(), "{shown:?}");
+    }
 }
 
 #[test]

@@ -263,6 +263,34 @@ test('code actions mend what is found', function()
   wait_for('no error', function() return #vim.diagnostic.get(buffer, { severity = vim.diagnostic.severity.ERROR }) == 0 end)
 end)
 
+test('a tag has one colour wherever it stands, and another tag another one', function()
+  vim.cmd.edit('walk.hyped')
+  local buffer = vim.api.nvim_get_current_buf()
+  local function groups(tag)
+    local found = {}
+    for number, text in ipairs(vim.api.nvim_buf_get_lines(buffer, 0, -1, false)) do
+      local at = text:find('%f[%w]' .. tag .. '%f[%W]')
+      for _, token in ipairs(at and vim.lsp.semantic_tokens.get_at_pos(buffer, number - 1, at - 1) or {}) do
+        for modifier in pairs(token.type == 'label' and token.modifiers or {}) do
+          if modifier:find('^tag%d$') then
+            found[#found + 1] = ('@lsp.typemod.label.%s.hyped'):format(modifier)
+          end
+        end
+      end
+    end
+    return found
+  end
+  wait_for('tokens', function() return #groups('wall') >= 2 and #groups('body') >= 2 end)
+  local wall, body = groups('wall'), groups('body')
+  for _, all in ipairs({ wall, body }) do
+    for _, other in ipairs(all) do
+      same(other, all[1])
+    end
+  end
+  local colors = vim.iter({ wall[1], body[1] }):map(function(name) return vim.api.nvim_get_hl(0, { name = name }).fg end):totable()
+  assert(colors[1] and colors[2] and colors[1] ~= colors[2], vim.inspect(colors))
+end)
+
 for _, client in ipairs(vim.lsp.get_clients()) do
   client:stop()
 end

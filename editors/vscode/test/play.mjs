@@ -1,7 +1,8 @@
 // What runs in the editor: a failing test at its line, the page that plays the text, the statechart, code actions.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 /** A walk to the right over a gap, with tests of which one fails. */
@@ -59,6 +60,9 @@ world Gap {
 }
 `;
 
+/** The same in a level of 200 tiles. */
+const WIDE = WALK.replace(/^( +)([.#]{40})$/gm, (_, blank, row) => `${blank}${row}${row.at(-1).repeat(160)}`);
+
 /** A program with four mistakes, each to be mended in its own way, and a number without a name; what it can import. */
 const [MISTAKES, GEM] = ['ball', 'gem'].map((name) => readFileSync(join(import.meta.dirname, '../../test/repairs', `${name}.hyped`), 'utf8'));
 
@@ -83,7 +87,7 @@ async function until(what, holds) {
   assert.fail(`never: ${what}`);
 }
 
-async function tour({ page, keyboard, see, gone, look, command, open, go }) {
+async function tour({ page, keyboard, see, gone, look, command, row, open, go, work, hypedc }) {
   await command('View: Close All Editors');
   await open('0walk.hyped');
   await see('.view-line', 'Walks, and leaps');
@@ -128,6 +132,25 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   await until('the guard has its value', async () => (await lineText(page, 'when pressed')).includes('✗'));
   await look('timeline-scrubbed');
 
+  // Taken over there: other keys, and another run. Its inputs are saved beside the program.
+  await shown.locator('canvas').first().click();
+  await keyboard.down('ArrowLeft');
+  await page.waitForTimeout(300);
+  await keyboard.up('ArrowLeft');
+  await keyboard.press('KeyP');
+  await shown.getByText('Taken over from here').waitFor();
+  await command('Hyped: Save the Inputs of the Run');
+  await see('.quick-input-widget input');
+  await keyboard.press('Enter');
+  await gone('.quick-input-widget');
+  const saved = join(work, '0walk.inputs');
+  await until('the inputs are saved', () => existsSync(saved) && readFileSync(saved, 'utf8').endsWith('\n'));
+  const inputs = readFileSync(saved, 'utf8');
+  assert.match(inputs, /left/);
+  assert.doesNotMatch(inputs, /leap/);
+  // They can be run.
+  execFileSync(hypedc, ['sim', join(work, '0walk.hyped'), '--inputs-file', saved]);
+
   // What is typed is played at once: faster, the same inputs lead further.
   const where = () => shown.locator('canvas').first().evaluate(() => window.studio.game.now.x?.[0] ?? JSON.stringify(window.studio.game.frame.bodies.slice(0, 4)));
   const before = await where();
@@ -149,8 +172,37 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   await look('chart');
   await command('View: Close All Editors');
 
-  // Five code actions: a mode that is missing, a range, an import, what nothing reads, a number that gets a name.
+  // A level that is wider than the page: its tiles are large enough to be seen, and the view goes with the player.
   await page.locator('.activitybar [aria-label^="Explorer"]').first().click();
+  // The file that was saved moves the rows below it.
+  await row('0walk.inputs').waitFor();
+  await page.waitForTimeout(1000);
+  await open('0wide.hyped');
+  await see('.view-line', 'Walks, and leaps');
+  await command('Hyped: Play and Scrub');
+  await shown.getByText('0wide').first().waitFor();
+  const canvas = shown.locator('canvas').first();
+  await canvas.waitFor();
+  const view = () =>
+    canvas.evaluate(() => {
+      const { camera, ratio } = window.studio.stage;
+      return { left: camera.x - camera.width / camera.scale / 2, width: camera.width / camera.scale, tile: (16 * camera.scale) / ratio };
+    });
+  await until('the start is in view', async () => (await view()).left <= 16);
+  const first = await view();
+  assert.ok(first.tile >= 12 && first.width < 3200, JSON.stringify(first));
+  await canvas.click();
+  await keyboard.down('ArrowRight');
+  // Over the gap, and on.
+  await page.waitForTimeout(900);
+  for (let leaps = 0; leaps < 6; leaps++) await keyboard.press('Space', { delay: 600 });
+  await keyboard.up('ArrowRight');
+  await keyboard.press('KeyP');
+  await until('the view has moved', async () => (await view()).left > first.left + 32);
+  await look('timeline-wide');
+  await command('View: Close All Editors');
+
+  // Five code actions: a mode that is missing, a range, an import, what nothing reads, a number that gets a name.
   await open('0ball.hyped');
   await see('.squiggly-error');
   const rows = (hasText) => page.locator('.view-line', { hasText });
@@ -180,4 +232,4 @@ async function tour({ page, keyboard, see, gone, look, command, open, go }) {
   await look('fixed');
 }
 
-export const play = { files: { '0walk.hyped': WALK, '0ball.hyped': MISTAKES, '0gem.hyped': GEM }, tour };
+export const play = { files: { '0walk.hyped': WALK, '0wide.hyped': WIDE, '0ball.hyped': MISTAKES, '0gem.hyped': GEM }, tour };

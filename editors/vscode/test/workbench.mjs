@@ -113,5 +113,5 @@ export async function start(folder, files, pictures) {
     if (failure) throw failure;
     console.log(`${taken} pictures are in ${shots}`);
   }
-  return { page, keyboard, see, gone, look, pick, command, row, open, go, type, begin, run, work };
+  return { page, keyboard, see, gone, look, pick, command, row, open, go, type, begin, run, work, hypedc };
 }

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::reach::{Planner, Restart};
+use crate::reach::{Planner, Restart, Style};
 
 pub(in crate::cli) use gif::GifArgs;
 pub(in crate::cli) use level::{LevelArgs, ReadingArgs, seconds};
@@ -361,7 +361,7 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_name = "NAME|PREDICATE", help_heading = "The question")]
     pub never: Vec<String>,
     /// Asks no question: goes wherever it can, and reports what was covered: rooms, tiles that were stood on, modes, edges.
-    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "save_inputs", "html", "results", "csv", "junit", "baseline"], help_heading = "The question")]
+    #[arg(long, conflicts_with_all = ["goal", "never", "minimize", "style", "save_inputs", "html", "results", "csv", "junit", "baseline"], help_heading = "The question")]
     pub explore: bool,
     /// Only paths on which a predicate never holds: is the key needed, or the run button?
     #[arg(long, value_name = "PREDICATE", help_heading = "The question")]
@@ -394,12 +394,12 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
     /// The time for which planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension [default:
-    /// 10 steps; 4 to 60 for `coverage` and `distance-guided`; as short as the question allows for `exhaustive` and
-    /// `best-first`].
+    /// 10 steps; 4 to 60 for `coverage` and `distance-guided`; 8, 12 or 16 for `time-guided`; as short as the question
+    /// allows for `exhaustive` and `best-first`].
     #[arg(long, value_name = "TIME|A..B", value_parser = Hold::read, help_heading = "The search")]
     pub hold: Option<Hold>,
     /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `distance-guided`,
-    /// 20000 for `coverage`, 2000 for others].
+    /// 20000 for `coverage`, 2000 for others; the trees of `time-guided` grow as it goes on].
     #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
     pub restart: Option<Restart>,
     /// The number of trees that grow side by side, each with its own seed.
@@ -429,9 +429,12 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_enum, default_value = "human", help_heading = "The result")]
     pub format: ResultFormat,
     /// Searches for faster paths than the one that is found, with at most as many nodes again, and removes changes of
-    /// inputs that are not needed.
+    /// inputs that are not needed: as `--style fast`.
     #[arg(long, help_heading = "The result")]
     pub minimize: bool,
+    /// Searches for better paths than the one that is found, with at most twice as many nodes again.
+    #[arg(long, value_enum, value_name = "STYLE", conflicts_with = "minimize", help_heading = "The result")]
+    pub style: Option<StyleName>,
     /// Writes the inputs of a found path to a file; with several goals, the goal's name goes before the extension.
     #[arg(long, value_name = "PATH", value_parser = output(), help_heading = "The result")]
     pub save_inputs: Option<PathBuf>,
@@ -471,6 +474,27 @@ pub(in crate::cli) enum MetricName {
     Full,
     /// The players' positions.
     Xy,
+}
+
+/// How a path is to be played.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum StyleName {
+    /// As fast as can be found, then with few changes of inputs.
+    Fast,
+    /// Without inputs that are held for less than 0.2 s, then with few changes, then fast.
+    Calm,
+    /// With few changes of inputs, then fast.
+    FewInputs,
+}
+
+impl StyleName {
+    pub fn style(self) -> Style {
+        match self {
+            StyleName::Fast => Style::Fast,
+            StyleName::Calm => Style::Calm,
+            StyleName::FewInputs => Style::FewInputs,
+        }
+    }
 }
 
 pub(in crate::cli) fn chance_seed(text: &str) -> Result<u64, String> {

@@ -14,11 +14,12 @@ const TRIALS: u64 = 10_000;
 const PRECISION: f64 = 1.0 / 8.0;
 
 /// What the layers do not go with.
-const OTHER_QUESTIONS: [&str; 11] = [
+const OTHER_QUESTIONS: [&str; 12] = [
     "robust",
     "reaction",
     "min_hold",
     "minimize",
+    "style",
     "save_inputs",
     "html",
     "tree",

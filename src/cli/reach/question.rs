@@ -7,11 +7,11 @@ use crate::corpus;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::ir::{NeverId, World, WorldId};
 use crate::reach::query::{Query, QueryError, TimingErrors};
-use crate::reach::{Limits, Measure, Planner, Sampling, Settings, Target, Termination};
+use crate::reach::{Limits, Measure, Planner, Sampling, Settings, Style, Target, Termination};
 
 pub(in crate::cli) use crate::ask::WITHOUT;
 
-use crate::cli::args::{MetricName, ReachArgs, SampleBounds};
+use crate::cli::args::{MetricName, ReachArgs, SampleBounds, StyleName};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
@@ -80,7 +80,7 @@ pub(in crate::cli) fn query(args: &ReachArgs, loaded: &mut Loaded, world: WorldI
         unpressed: unpressed.map_err(Refusal::of)?,
         asked: asked_only(loaded, world),
         after: read_scripts(loaded, world, (&args.after, "--after"))?,
-        minimizes: args.minimize,
+        style: style(args),
         chance: args.chance,
         errors,
         ..Query::new(targets)
@@ -117,12 +117,18 @@ pub(in crate::cli) fn recorded_settings(args: &ReachArgs, settings: &Settings) -
         min_hold: args.min_hold.map(|time| time.to_string()),
         robust: args.person.robust.as_ref().map(|robust| robust.text.clone()),
         reaction: args.person.reaction.map(|time| time.to_string()),
-        minimize: args.minimize,
+        minimize: args.minimize || args.style.is_some(),
+        style: style(args).filter(|style| *style != Style::Fast).map(|style| style.name().to_string()),
         chance: args.chance,
         nodes_limit: args.nodes.or(args.seconds.is_none().then(|| node_limit(args))),
         seconds_limit: args.seconds,
         ..corpus::Settings::of(settings, &limits)
     }
+}
+
+/// How paths are made better, if they are.
+fn style(args: &ReachArgs) -> Option<Style> {
+    args.style.map(StyleName::style).or_else(|| args.minimize.then_some(Style::Fast))
 }
 
 /// Maximum number of nodes of a search.

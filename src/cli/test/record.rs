@@ -9,7 +9,7 @@ use crate::compile::{Asked, Changes, Compilation, ExtraQuestion, NumberSetting, 
 use crate::diagnostic::catalogue::file::Unreadable;
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::reach::query::{Query, Session};
-use crate::reach::{Limits, Settings, Target};
+use crate::reach::{Limits, Settings, Style, Target};
 use crate::source::Files;
 use crate::suite::{NoWays, Recorded, Subject, TestOptions, insert_test, run_test};
 
@@ -49,7 +49,7 @@ pub(super) fn run(args: &TestArgs, goal: &str, numbers: &[NumberSetting<'_>]) ->
     let query = Query {
         settings: Settings { seed: args.seed, ..Settings::default() },
         limits: Limits { nodes: args.nodes, ..Limits::default() },
-        minimizes: true,
+        style: Some(Style::Fast),
         ..Query::new(vec![target])
     };
     let watch = CommandWatch::new(&name, args.seconds);

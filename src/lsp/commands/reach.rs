@@ -9,7 +9,7 @@ use crate::corpus;
 use crate::ir::{World, WorldId};
 use crate::lsp::buffers::Buffers;
 use crate::reach::query::{Phase, Query, QueryError, Session, Supervisor};
-use crate::reach::{Limits, Settings, Target};
+use crate::reach::{Limits, Settings, Style, Target};
 use crate::view::Images;
 use crate::watch::Watch;
 
@@ -67,7 +67,7 @@ pub(super) fn run(
         unpressed,
         asked,
         after: scripts,
-        minimizes: arguments.minimize,
+        style: arguments.minimize.then_some(Style::Fast),
         chance: arguments.chance,
         ..Query::new(chosen)
     };

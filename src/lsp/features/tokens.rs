@@ -25,9 +25,22 @@ pub(in crate::lsp) enum TokenKind {
     /// A function of the language.
     Function,
     Name(NameKind, Role),
+    /// A tag, with the number of its colour.
+    Tag(usize, Role),
 }
 
+/// The colours that the tags of a program get in turn, so that one is recognized in colliders, tile sets and `collide`.
+pub(in crate::lsp) const TAG_COLORS: [&str; 6] = ["tag1", "tag2", "tag3", "tag4", "tag5", "tag6"];
+
 impl TokenKind {
+    /// What its colour depends on: its name, or the colour of a tag.
+    pub fn color(self) -> &'static str {
+        match self {
+            TokenKind::Tag(number, _) => TAG_COLORS[number],
+            kind => kind.name(),
+        }
+    }
+
     /// Its name: one of the token types of the protocol.
     pub fn name(self) -> &'static str {
         match self {
@@ -38,6 +51,7 @@ impl TokenKind {
             TokenKind::Operator => "operator",
             TokenKind::Function => "function",
             TokenKind::Name(kind, _) => type_of_name(kind),
+            TokenKind::Tag(..) => type_of_name(NameKind::Tag),
         }
     }
 }
@@ -86,8 +100,14 @@ pub(in crate::lsp) fn semantic_tokens(
 fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize>, names_only: bool) -> Vec<Token> {
     let mut names: BTreeMap<usize, TokenKind> = BTreeMap::new();
     if let Some((snapshot, file)) = program {
+        let tags = snapshot.ide.checked.tags.iter().enumerate();
+        let numbers: BTreeMap<&str, usize> =
+            tags.map(|(number, tag)| (&*tag.text, number % TAG_COLORS.len())).collect();
         for o in snapshot.ide.occurrences.iter().filter(|o| o.at.file() == file) {
-            names.entry(o.at.range().start).or_insert(TokenKind::Name(o.kind, o.role));
+            let range = o.at.range();
+            let tag = code.get(range.clone()).filter(|_| o.kind == NameKind::Tag).and_then(|name| numbers.get(name));
+            let kind = tag.map_or(TokenKind::Name(o.kind, o.role), |number| TokenKind::Tag(*number, o.role));
+            names.entry(range.start).or_insert(kind);
         }
     }
     let mut out = Vec::new();
@@ -97,7 +117,9 @@ fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize
             continue;
         }
         let word = token.text(code);
-        if names_only && !names.contains_key(&token.at.start) {
+        // The occurrence of a tag that is not a name is within its quotes.
+        let named = names.get(&(token.at.start + usize::from(token.kind == Kind::Text)));
+        if names_only && named.is_none() {
             continue;
         }
         let kind = match token.kind {
@@ -105,6 +127,10 @@ fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize
             Kind::Number => TokenKind::Number,
             Kind::Tile => TokenKind::Text,
             Kind::Text => {
+                if let Some(tag @ TokenKind::Tag(..)) = named {
+                    out.push(Token { bytes: token.at.clone(), kind: *tag });
+                    continue;
+                }
                 // Tokens do not span lines: one per row of a map.
                 let mut start = token.at.start;
                 for row in word.split_inclusive('\n') {
@@ -115,7 +141,7 @@ fn of_code(code: &str, program: Option<(&Snapshot, FileId)>, bytes: &Range<usize
                 }
                 continue;
             }
-            Kind::Word => match names.get(&token.at.start) {
+            Kind::Word => match named {
                 Some(name) => *name,
                 None if all.get(index + 1).is_some_and(|next| next.text(code) == "(")
                     && SIGNATURES.iter().any(|function| function.name == word) =>

@@ -11,7 +11,7 @@ use super::context::Context;
 use super::handlers::Answer;
 use super::positions::range;
 use super::uri::path_of;
-use crate::lsp::features::tokens::{Token, TokenKind, semantic_tokens};
+use crate::lsp::features::tokens::{TAG_COLORS, Token, TokenKind, semantic_tokens};
 use crate::lsp::text::document_text::{Encoding, Text};
 use crate::syntax::occurrence::{NameKind, Role};
 
@@ -37,7 +37,7 @@ const TYPES: &[&str] = &[
     "type",
     "enum",
 ];
-/// The token modifiers of the legend; sent as a bit set.
+/// The token modifiers of the legend, before the colours of tags; sent as a bit set.
 const MODIFIERS: &[&str] = &["declaration", "readonly", "modification", "defaultLibrary"];
 const DECLARATION: u32 = 1;
 const READ_ONLY: u32 = 2;
@@ -47,7 +47,7 @@ const LIBRARY: u32 = 8;
 /// The legend: the names of types and modifiers.
 pub(super) fn legend() -> SemanticTokensLegend {
     let words = |list: &[&str]| list.iter().map(|w| (*w).to_string()).collect();
-    SemanticTokensLegend { token_types: words(TYPES), token_modifiers: words(MODIFIERS) }
+    SemanticTokensLegend { token_types: words(TYPES), token_modifiers: words(&[MODIFIERS, &TAG_COLORS].concat()) }
 }
 
 /// The index of the type of a token in the legend, and its modifiers.
@@ -58,16 +58,20 @@ fn encode_kind(kind: TokenKind) -> (u32, u32) {
         TokenKind::Function => LIBRARY,
         TokenKind::Name(kind, role) => {
             let is_fixed = matches!(kind, NameKind::Constant | NameKind::Parameter | NameKind::Argument);
-            let role = match role {
-                Role::Declared => DECLARATION,
-                Role::Written => MODIFICATION,
-                Role::Read => 0,
-            };
-            role | if is_fixed { READ_ONLY } else { 0 }
+            of_role(role) | if is_fixed { READ_ONLY } else { 0 }
         }
+        TokenKind::Tag(number, role) => of_role(role) | 1 << (MODIFIERS.len() + number),
         _ => 0,
     };
     (type_index, modifiers)
+}
+
+fn of_role(role: Role) -> u32 {
+    match role {
+        Role::Declared => DECLARATION,
+        Role::Written => MODIFICATION,
+        Role::Read => 0,
+    }
 }
 
 /// Encodes tokens, each position relative to the preceding token.

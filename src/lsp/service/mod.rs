@@ -188,7 +188,7 @@ impl Service {
                 units
             };
             let (from, to) = (advance(token.bytes.start), advance(token.bytes.end));
-            let name = token.kind.name();
+            let name = token.kind.color();
             let kind = kinds.iter().position(|known| *known == name).unwrap_or_else(|| {
                 kinds.push(name);
                 kinds.len() - 1

@@ -8,7 +8,7 @@ use crate::compile::{Asked, Changes, Compilation, ExtraQuestion, compile_changed
 use crate::ir::{Bounds, Extremes, Push, SlotId, TagSet, World, WorldId};
 use crate::lsp::buffers::Buffers;
 use crate::reach::query::{Kind, Query, Session};
-use crate::reach::{End, Limits, Planner, Settings, Target, TileTrail, Trail};
+use crate::reach::{End, Limits, Planner, Settings, Style, Target, TileTrail, Trail};
 use crate::sim::parse_script;
 use crate::source::{SourceMap, normalize};
 use crate::studio::Written;
@@ -199,7 +199,7 @@ impl Canvas<'_> {
         let query = Query {
             settings: Settings { explains: true, ..Settings::default() },
             limits: Limits { nodes: budget.nodes, memory: budget.memory },
-            minimizes: true,
+            style: Some(Style::Fast),
             ..Query::new(vec![Target::Goal(goal)])
         };
         let session = Session::new(program, id, query, watch);

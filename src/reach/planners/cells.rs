@@ -62,6 +62,11 @@ impl Cells {
         self.cells[cell as usize].chosen
     }
 
+    /// Number of nodes that were ever added to a cell.
+    pub fn held(&self, cell: u32) -> u32 {
+        self.cells[cell as usize].held
+    }
+
     /// Counts that a cell was chosen.
     pub fn choose(&mut self, cell: u32) {
         self.cells[cell as usize].chosen += 1;
@@ -108,9 +113,10 @@ impl Cells {
         outermost.unwrap_or((NONE, false))
     }
 
-    /// Removes a finished node, and cells that become empty.
+    /// Removes a finished node, and cells that become empty; nothing if the node is not there.
     pub fn remove(&mut self, node: NodeId) {
-        let (mut cell, place) = self.locations[node.index()];
+        let Some(location) = self.locations.get_mut(node.index()).filter(|(cell, _)| *cell != NONE) else { return };
+        let (mut cell, place) = std::mem::replace(location, (NONE, NONE));
         let inside = &mut self.cells[cell as usize].inside;
         inside.swap_remove(place as usize);
         if let Some(moved) = inside.get(place as usize) {

@@ -14,6 +14,7 @@ use crate::reach::metric::{Metric, Point, Projected};
 use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
+use crate::reach::why_not::Margins;
 
 use super::cells::Cells;
 
@@ -48,18 +49,23 @@ impl Axis {
 
 /// A strategy that extends sparsely covered cells.
 #[derive(Debug)]
-pub struct CoverageGuided {
+pub struct CoverageGuided<'m> {
     /// The coordinates, then the modes.
     axes: Vec<Axis>,
+    /// What the goal asks of numbers: on the last level.
+    margins: &'m Margins,
     extensions: u64,
     next_update: u64,
     cells: Cells,
     before: Point,
+    state: Vec<u8>,
+    /// Whether the last node was the first in its cell of the first level.
+    has_opened: bool,
 }
 
-impl CoverageGuided {
-    /// A strategy for a space.
-    pub fn new(metric: &Metric) -> Self {
+impl<'m> CoverageGuided<'m> {
+    /// A strategy for a space, and what the goal asks of numbers.
+    pub fn new(metric: &Metric, margins: &'m Margins) -> Self {
         let axis = |(level, cells, counts): Projected| Axis {
             level: if counts { 0 } else { level },
             cells,
@@ -69,15 +75,28 @@ impl CoverageGuided {
         };
         CoverageGuided {
             axes: metric.projection().into_iter().map(axis).collect(),
+            margins,
             extensions: 0,
             next_update: FIRST_UPDATE,
             cells: Cells::default(),
             before: Point::default(),
+            state: Vec::new(),
+            has_opened: false,
         }
     }
 
+    /// Whether the last node was the first with its values of what seldom changes.
+    pub fn has_opened(&self) -> bool {
+        self.has_opened
+    }
+
+    /// Forgets a node without untried inputs.
+    pub fn close(&mut self, node: NodeId) {
+        self.cells.remove(node);
+    }
+
     /// Counts the changes of an extension.
-    fn compare(&mut self, context: &SearchContext<'_>, from: NodeId, point: &Point) {
+    fn compare(&mut self, context: &mut SearchContext<'_>, from: NodeId, point: &Point) {
         context.point(from, &mut self.before);
         for (index, axis) in self.axes.iter_mut().enumerate() {
             axis.changes += u64::from(axis.counts && self.before.value(index) != point.value(index));
@@ -86,7 +105,7 @@ impl CoverageGuided {
     }
 
     /// Updates the levels, and sorts all nodes into cells again if they changed.
-    fn update_levels(&mut self, context: &SearchContext<'_>) {
+    fn update_levels(&mut self, context: &mut SearchContext<'_>) {
         self.next_update = self.extensions * 2;
         let mut has_changed = false;
         for axis in &mut self.axes {
@@ -103,12 +122,15 @@ impl CoverageGuided {
         for node in (0..context.tree.len()).map(|n| NodeId(n as u32)) {
             if context.tree.untried(node) > 0 {
                 context.point(node, &mut point);
-                self.cells.add(node, &self.keys(&point));
+                let mut buffer = std::mem::take(&mut self.state);
+                let keys = self.keys(context, context.tree.state(node, &mut buffer), &point);
+                self.state = buffer;
+                self.cells.add(node, &keys);
             }
         }
     }
 
-    fn keys(&self, point: &Point) -> [u64; LEVELS] {
+    fn keys(&self, context: &SearchContext<'_>, state: &[u8], point: &Point) -> [u64; LEVELS] {
         let mut keys = [0; LEVELS];
         let mut key = 0;
         for (level, out) in keys.iter_mut().enumerate() {
@@ -120,11 +142,14 @@ impl CoverageGuided {
             }
             *out = key;
         }
+        if !self.margins.is_empty() {
+            keys[LEVELS - 1] = self.margins.key(context.problem.sim, state, key);
+        }
         keys
     }
 }
 
-impl Strategy for CoverageGuided {
+impl Strategy for CoverageGuided<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
         let mut cell = self.cells.draw(context, self.cells.first())?;
         self.cells.choose(cell);
@@ -133,7 +158,7 @@ impl Strategy for CoverageGuided {
             self.cells.choose(cell);
         }
         let node = self.cells.draw_node(context, cell);
-        let choice = context.draw_untried(node);
+        let choice = context.draw_untried_holding(node);
         if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }
@@ -144,11 +169,12 @@ impl Strategy for CoverageGuided {
         match (growth, choice) {
             (Growth::Rooted(root, point), _) => {
                 self.cells.clear();
-                self.cells.add(root, &self.keys(point));
+                self.cells.add(root, &self.keys(context, context.reached(), point));
             }
             (Growth::Added(node, point), Some(choice)) => {
                 self.compare(context, choice.node, point);
-                self.cells.add(node, &self.keys(point));
+                let (first, _) = self.cells.add(node, &self.keys(context, context.reached(), point));
+                self.has_opened = self.cells.held(first) == 1;
                 if self.extensions >= self.next_update {
                     self.update_levels(context);
                 }

@@ -17,16 +17,17 @@ use std::collections::BinaryHeap;
 use hashbrown::HashMap;
 use rand::RngExt;
 
-use crate::ir::{Extremes, SlotId, VarId};
-use crate::reach::coverage::{PLACE, mix};
+use crate::reach::coverage::PLACE;
 use crate::reach::distance::DistanceField;
-use crate::reach::metric::{Metric, Point, Quantity};
+use crate::reach::metric::{Metric, Point};
 use crate::reach::problem::Problem;
 use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
+use super::Guidance;
 use super::cells::Cells;
+use super::player_cells::PlayerCells;
 
 /// Cost of a place per place on the path to the goal, and per choice.
 const DISTANCE: u64 = 4;
@@ -60,72 +61,44 @@ struct Estimate {
 #[derive(Debug)]
 pub struct DistanceGuided<'m> {
     distances: Option<&'m DistanceField>,
-    /// The coordinates of the players' velocities, with their cells per unit of distance and the offset of the first.
-    velocities: Vec<(usize, f32, f32)>,
-    /// The players' groups, as indices of modes.
-    modes: Vec<usize>,
+    players: PlayerCells<'m>,
     cells: Cells,
     /// For each place that was ever open.
     estimates: Vec<Estimate>,
     /// With a time limit: minimum number of steps to each innermost cell.
     soonest: HashMap<u64, u32>,
     queue: BinaryHeap<Queued>,
+    /// The least distance of a place of this tree.
+    nearest: u32,
 }
 
 impl<'m> DistanceGuided<'m> {
-    /// A strategy for a problem, with its distance field if there is one.
-    pub fn new(problem: &Problem<'_>, metric: &Metric, distances: Option<&'m DistanceField>) -> Self {
-        let is_player = |slot: SlotId| problem.players().contains(&slot);
-        let velocity = |(index, c): (usize, &crate::reach::metric::Coordinate)| match c.quantity {
-            Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
-                let width = (c.high - c.low).greatest(f64::MIN_POSITIVE);
-                Some((index, (VELOCITIES * c.unit / width) as f32, c.scaled(c.low)))
-            }
-            _ => None,
-        };
-        let (world, program) = (problem.sim.world(), problem.sim.program());
-        let groups = problem.players().iter().flat_map(|&slot| {
-            let groups = program.entities[world.slots[slot].entity].groups.ids();
-            groups.filter_map(move |group| metric.mode_index(slot, group))
-        });
+    /// A strategy for a problem, with what leads to its goal.
+    pub fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Self {
         DistanceGuided {
-            distances,
-            velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
-            modes: groups.collect(),
+            distances: guidance.distances,
+            players: PlayerCells::new(problem, metric, guidance, VELOCITIES),
             cells: Cells::default(),
             estimates: Vec::new(),
             soonest: HashMap::default(),
             queue: BinaryHeap::new(),
+            nearest: u32::MAX,
         }
     }
 
-    /// The keys of a node's place and of its inner cell: velocities and modes.
-    fn keys(&self, context: &SearchContext<'_>, node: NodeId, point: &Point) -> [u64; 2] {
-        let state = context.tree.state(node);
-        let world = context.problem.sim.world();
-        let mut place = 0;
-        for &slot in context.problem.players() {
-            let layout = &world.layout.slots[slot];
-            let (x, y) = (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0));
-            for number in [f64::from(layout.space(state).0), (x / PLACE).floor(), (y / PLACE).floor()] {
-                place = mix(place, number as i64 as u64);
-            }
-            for id in context.problem.sim.program().entities[world.slots[slot].entity].discretes.ids() {
-                place = mix(place, layout.discrete(state, id) as u64);
-            }
-        }
-        let mut inner = mix(place, 1);
-        for &(index, scale, offset) in &self.velocities {
-            inner = mix(inner, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
-        }
-        for &index in &self.modes {
-            inner = mix(inner, u64::from(point.modes[index].to_bits()));
-        }
-        [place, inner]
+    /// Whether the node that was added last is nearer to the goal than all places of this tree.
+    pub fn is_nearest(&self, context: &SearchContext<'_>) -> bool {
+        let (sim, state) = (context.problem.sim, context.reached());
+        self.distances.is_some_and(|distances| distances.of(sim, state) < self.nearest)
+    }
+
+    /// Forgets a node without untried inputs.
+    pub fn close(&mut self, node: NodeId) {
+        self.cells.remove(node);
     }
 
     fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point) {
-        let keys = self.keys(context, node, point);
+        let keys = self.players.keys(context, point, PLACE);
         let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
         if is_timed {
             let soonest = self.soonest.entry(keys[1]).or_insert(depth);
@@ -137,10 +110,11 @@ impl<'m> DistanceGuided<'m> {
         let (place, is_new) = self.cells.add(node, &keys);
         if place as usize >= self.estimates.len() {
             let estimates = self.distances.map_or(Estimate::default(), |distances| {
-                let (sim, state) = (context.problem.sim, context.tree.state(node));
-                let ((x, y), space) = (sim.position(state, distances.player), sim.space(state, distances.player));
-                Estimate { places: distances.of(space, x, y), rest: distances.least_steps(space, x, y), soonest: depth }
+                let (sim, state) = (context.problem.sim, context.reached());
+                let (places, rest) = (distances.of(sim, state), distances.least_steps(sim, state));
+                Estimate { places, rest, soonest: depth }
             });
+            self.nearest = self.nearest.min(estimates.places);
             self.estimates.resize(place as usize + 1, estimates);
         }
         let soonest = &mut self.estimates[place as usize].soonest;
@@ -194,7 +168,7 @@ impl Strategy for DistanceGuided<'_> {
         let inner = self.cells.draw(context, self.cells.inside(place))?;
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
-        let choice = context.draw_untried(node);
+        let choice = context.draw_untried_holding(node);
         if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }
@@ -211,6 +185,7 @@ impl Strategy for DistanceGuided<'_> {
                 self.estimates.clear();
                 self.soonest.clear();
                 self.queue.clear();
+                self.nearest = u32::MAX;
                 self.add(context, root, point);
             }
             Growth::Added(node, point) => self.add(context, node, point),

@@ -5,21 +5,25 @@
 //! To add a planner, add a file with its strategy, a variant of [`Planner`] and an entry of `SPECS`.
 
 mod adaptive;
+mod blended;
 mod cells;
 mod coverage_guided;
 mod distance_guided;
 mod eg;
 mod guided;
+mod player_cells;
 mod rc;
 mod reachable;
 mod rg;
 mod rrt;
+mod time_guided;
 mod violation_frequency;
 
 use super::distance::DistanceField;
 use super::metric::Metric;
 use super::problem::Problem;
 use super::strategy::Strategy;
+use super::why_not::Margins;
 
 /// A planner, described by its [`Planner::summary`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -36,6 +40,7 @@ pub enum Planner {
     AstarRgRrt,
     Coverage,
     DistanceGuided,
+    TimeGuided,
     Exhaustive,
     BestFirst,
 }
@@ -66,9 +71,26 @@ pub(super) enum Method {
     Exhaustive { is_best_first: bool },
 }
 
-/// Builds a strategy for a problem, a metric and the distance field, if the planner uses one.
-pub(super) type BuildStrategy =
-    for<'m> fn(&Problem<'_>, &'m Metric, Option<&'m DistanceField>) -> Box<dyn Strategy + Send + 'm>;
+/// What leads planners to the goal of a question.
+#[derive(Clone, Copy)]
+pub(super) struct Guidance<'m> {
+    /// The distances to it, if the planner uses them and there are any.
+    pub distances: Option<&'m DistanceField>,
+    /// What it asks of numbers.
+    pub margins: &'m Margins,
+}
+
+/// The strategy of `auto`, which is led by distances and by coverage.
+pub(super) fn blended<'m>(
+    problem: &Problem<'_>,
+    metric: &'m Metric,
+    guidance: Guidance<'m>,
+) -> Box<dyn Strategy + Send + 'm> {
+    Box::new(blended::Blended::new(problem, metric, guidance))
+}
+
+/// Builds a strategy for a problem, a metric and what leads to the goal.
+pub(super) type BuildStrategy = for<'m> fn(&Problem<'_>, &'m Metric, Guidance<'m>) -> Box<dyn Strategy + Send + 'm>;
 
 impl Spec {
     /// A sampling planner with the default settings.
@@ -85,7 +107,7 @@ impl Spec {
 }
 
 /// All planners, in the order of [`Planner`].
-const SPECS: [Spec; 12] = [
+const SPECS: [Spec; 13] = [
     Spec {
         planner: Planner::Auto,
         name: "auto",
@@ -132,7 +154,7 @@ const SPECS: [Spec; 12] = [
         uses_distances: false,
         method: Method::Sampling {
             samples: false,
-            strategy: |_, metric, _| Box::new(coverage_guided::CoverageGuided::new(metric)),
+            strategy: |_, metric, guidance| Box::new(coverage_guided::CoverageGuided::new(metric, guidance.margins)),
         },
     },
     Spec {
@@ -144,9 +166,21 @@ const SPECS: [Spec; 12] = [
         uses_distances: true,
         method: Method::Sampling {
             samples: false,
-            strategy: |problem, metric, distances| {
-                Box::new(distance_guided::DistanceGuided::new(problem, metric, distances))
+            strategy: |problem, metric, guidance| {
+                Box::new(distance_guided::DistanceGuided::new(problem, metric, guidance))
             },
+        },
+    },
+    Spec {
+        planner: Planner::TimeGuided,
+        name: "time-guided",
+        summary: "guided by the time to the goal (weighted A* over cells, after Pohl 1970)",
+        hold: (1, 16),
+        restart: u64::MAX,
+        uses_distances: true,
+        method: Method::Sampling {
+            samples: false,
+            strategy: |problem, metric, guidance| Box::new(time_guided::TimeGuided::new(problem, metric, guidance)),
         },
     },
     Spec::exhaustive(
@@ -210,9 +244,10 @@ impl Planner {
         self.spec().restart
     }
 
-    /// Whether its trees restart; other planners visit each state once.
+    /// Whether it is a question of settings when its trees restart: `time-guided` has a sequence of its own, and exhaustive
+    /// planners visit each state once.
     pub fn restarts(self) -> bool {
-        !matches!(self.spec().method, Method::Exhaustive { .. })
+        !matches!(self.spec().method, Method::Exhaustive { .. }) && self.spec().restart < u64::MAX
     }
 
     /// Whether it uses the distance field of the goal.

@@ -12,7 +12,7 @@ use crate::watch::{Meter, Unwatched, Watch};
 
 use super::super::exchange::plan_from_script;
 use super::super::explore::Observer;
-use super::super::improve_duration::improve_duration;
+use super::super::improve_duration::hasten;
 use super::super::luck::only_read;
 use super::super::monitor::{Monitor, Refutation};
 use super::super::outcome::{End, Outcome, Plan, Verdict};
@@ -23,6 +23,7 @@ use super::super::reach;
 use super::super::robust::{Improved, Jitter};
 use super::super::search::{Limits, Settings, search};
 use super::super::shorten::shorten;
+use super::super::style::{Style, improve_style};
 use super::super::why_not::{WhyNot, explain};
 use super::answer::{Answer, Counterexample};
 use super::robust::{FoundRobust, RobustRecord, TimingErrors};
@@ -52,8 +53,8 @@ pub struct Query {
     pub asked: Vec<NeverId>,
     /// Scripts whose ends are the starts of searches; if empty, the initial state.
     pub after: Vec<Script>,
-    /// Whether paths are made faster and simpler.
-    pub minimizes: bool,
+    /// How paths are made better; `None`: they are not.
+    pub style: Option<Style>,
     /// The seed of what nature draws; `None`: a search is free to choose it.
     pub chance: Option<u64>,
     /// Timing errors that paths to goals should withstand; counterexamples are for no person.
@@ -125,7 +126,7 @@ impl Query {
             unpressed: Vec::new(),
             asked: Vec::new(),
             after: Vec::new(),
-            minimizes: false,
+            style: None,
             chance: None,
             errors: None,
         }
@@ -155,7 +156,7 @@ pub enum Phase {
     Search(Target),
     /// Replays the path to one target to answer others.
     Exchange,
-    /// Makes a path faster and simpler.
+    /// Makes a path better in the style that is asked for.
     Minimize(Target),
     /// Searches for a path that withstands timing errors.
     MakeRobust(Target),
@@ -257,7 +258,7 @@ impl Session {
         let _ = supervisor.supervise(Phase::Exchange, &mut |watch| {
             self.exchange(&mut all, watch);
         });
-        if self.query.minimizes {
+        if self.query.style.is_some() {
             for found in &mut all {
                 let _ = supervisor.supervise(Phase::Minimize(found.target), &mut |watch| self.minimize(found, watch));
             }
@@ -287,7 +288,7 @@ impl Session {
     /// [`QueryError`] if the target cannot be searched for.
     pub fn find(&self, target: Target, watch: &dyn Watch) -> Result<Found<'_>, QueryError> {
         let mut found = self.search((target, None), watch)?;
-        if self.query.minimizes {
+        if self.query.style.is_some() {
             self.minimize(&mut found, watch);
         }
         if let Some(errors) = self.query.errors.filter(|_| matches!(target, Target::Goal(_))) {
@@ -418,6 +419,13 @@ impl Session {
             None => problem,
         };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
+        if settings.planner == Planner::Auto
+            && settings.hold.is_none()
+            && self.query.style.is_none()
+            && observer.is_none()
+        {
+            hasten(&problem, &self.space, settings, limits, &mut outcome, watch);
+        }
         if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {
             let limits = Limits { nodes: limits.nodes.min(SAMPLE_NODES), ..*limits };
             let settings = Settings { records: false, planner: Planner::Auto, ..*settings };
@@ -461,19 +469,19 @@ impl Session {
         found.robust = Some(FoundRobust { first, compared, robustness });
     }
 
-    /// Makes a path faster and simpler.
+    /// Makes a path better in the style that is asked for.
     fn minimize(&self, found: &mut Found<'_>, watch: &dyn Watch) {
-        if let (Some(problem), Some(plan)) = (&found.problem, found.plan()) {
+        if let (Some(problem), Some(plan), Some(style)) = (&found.problem, found.plan(), self.query.style) {
             let Query { settings, limits, .. } = &self.query;
-            let plan = improve_duration(problem, &self.space, settings, limits, plan, watch);
-            found.outcome.verdict = Verdict::Reached(shorten(problem, &plan, watch));
+            let plan = improve_style(problem, &self.space, settings, limits, plan, style, watch);
+            found.outcome.verdict = Verdict::Reached(plan);
         }
     }
 
     /// Simplifies a path that may come from another target.
     fn shorten(&self, found: &mut Found<'_>, watch: &dyn Watch) {
-        if let (Some(problem), Some(plan)) = (&found.problem, found.plan()) {
-            found.outcome.verdict = Verdict::Reached(shorten(problem, plan, watch));
+        if let (Some(problem), Some(plan), Some(style)) = (&found.problem, found.plan(), self.query.style) {
+            found.outcome.verdict = Verdict::Reached(shorten(problem, &self.space, plan, style, watch));
         }
     }
 

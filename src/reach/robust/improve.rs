@@ -23,8 +23,9 @@ use super::super::outcome::{Plan, Verdict};
 use super::super::problem::Problem;
 use super::super::restriction::Restriction;
 use super::super::search::{Limits, Settings, search};
-use super::super::shorten::shorten;
+use super::super::shorten::{MAX_STEPS, shorten_within};
 use super::super::start_hold::is_held;
+use super::super::style::Style;
 use super::Course;
 use super::crowd::{self, Crowd};
 use super::edit::{Cause, edit, follow, pick};
@@ -288,7 +289,7 @@ impl Improver<'_> {
             if let Some(plan) = found {
                 let parts = plan.script.steps.len() as u64;
                 if parts * plan.steps <= SHORTENED {
-                    let simple = shorten(problem, &plan, watch);
+                    let simple = shorten_within(problem, None, &plan, Style::Fast, MAX_STEPS, watch);
                     steps += parts * plan.steps;
                     plans.push(simple);
                 }

@@ -93,6 +93,10 @@ pub(super) struct Explorer<'p> {
     work: Vec<u8>,
     graph: StateGraph,
     hashes: DefaultHashBuilder,
+    /// The hash of each state.
+    state_hashes: Vec<u64>,
+    /// For the states of nodes.
+    buffer: Vec<u8>,
     known: HashTable<u32>,
 }
 
@@ -127,6 +131,8 @@ impl<'p> Explorer<'p> {
                 is_gone: Vec::new(),
             },
             hashes: DefaultHashBuilder::default(),
+            state_hashes: Vec::new(),
+            buffer: Vec::new(),
             known: HashTable::new(),
         };
         explorer.found(None, is_goal);
@@ -159,7 +165,7 @@ impl<'p> Explorer<'p> {
     fn bytes(&self) -> u64 {
         let graph = &self.graph;
         let tables = 4 * (graph.first.capacity() + graph.next.capacity()) + 3 * graph.is_goal.capacity();
-        (graph.tree.bytes() + tables + self.known.capacity() * 5) as u64
+        (graph.tree.bytes() + tables + self.known.capacity() * 5 + self.state_hashes.capacity() * 8) as u64
     }
 
     /// Tries all inputs of a state.
@@ -169,7 +175,7 @@ impl<'p> Explorer<'p> {
         if !self.graph.is_goal[at as usize] {
             let node = NodeId(at);
             let set = self.graph.tree.set(node);
-            let was_beyond = self.windows.left(self.problem, self.graph.tree.state(node)).is_some();
+            let was_beyond = self.windows.left(self.problem, self.graph.tree.state(node, &mut self.buffer)).is_some();
             for input in 0..self.controls.count(set) {
                 match self.step(node, input, was_beyond)? {
                     Stepped::Over => can_end = true,
@@ -191,8 +197,8 @@ impl<'p> Explorer<'p> {
     /// Simulates an input of a state.
     fn step(&mut self, node: NodeId, index: usize, was_beyond: bool) -> Result<Stepped, Gap> {
         self.steps += 1;
-        let Explorer { problem, work, scratch, controls, meter, graph, .. } = self;
-        work.copy_from_slice(graph.tree.state(node));
+        let Explorer { problem, work, scratch, controls, meter, graph, buffer, .. } = self;
+        work.copy_from_slice(graph.tree.state(node, buffer));
         let input = input_of(controls, graph.tree.set(node), index);
         let stepped = problem.sim.metered_step(work, &input, scratch, meter);
         if meter.is_stopped() {
@@ -226,7 +232,7 @@ impl<'p> Explorer<'p> {
     fn found(&mut self, from: Option<(NodeId, usize)>, is_goal: bool) -> u32 {
         let hash = self.hashes.hash_one(&self.work);
         let tree = &self.graph.tree;
-        if let Some(known) = self.known.find(hash, |id| tree.state(NodeId(*id)) == self.work) {
+        if let Some(known) = self.known.find(hash, |id| tree.has_state(NodeId(*id), &self.work)) {
             return *known;
         }
         let set = self.controls.of(self.problem, &self.work);
@@ -235,8 +241,8 @@ impl<'p> Explorer<'p> {
             // At most `MAX_CONTROLS` inputs.
             Some((parent, input)) => self.graph.tree.push(&self.work, parent, (input as u16, 1), set, 0),
         };
-        let (tree, hashes) = (&self.graph.tree, &self.hashes);
-        self.known.insert_unique(hash, node.0, |id| hashes.hash_one(tree.state(NodeId(*id))));
+        self.state_hashes.push(hash);
+        self.known.insert_unique(hash, node.0, |id| self.state_hashes[*id as usize]);
         self.graph.is_goal.push(is_goal);
         self.graph.can_end.push(false);
         let mut players = self.problem.players().iter();

@@ -143,24 +143,26 @@ fn spots(problem: &Problem<'_>, graph: &StateGraph, fates: &[Fate]) -> Vec<Spot>
     let places = Places::new(problem);
     // For each tile, where the first stuck state has the player, and whether the tile is shaded.
     let mut tiles: BTreeMap<(SpaceId, (i64, i64)), (Spot, bool)> = BTreeMap::new();
-    let tile_of = |state: u32| {
-        let bytes = graph.tree.state(NodeId(state));
-        (problem.sim.space(bytes, player), places.tile(bytes, player))
+    let mut buffer = Vec::new();
+    let mut place_of = |state: u32| {
+        let bytes = graph.tree.state(NodeId(state), &mut buffer);
+        let (x, y) = problem.sim.position(bytes, player);
+        let space = problem.sim.space(bytes, player);
+        ((space, places.tile(bytes, player)), (space, [x as f32, y as f32]))
     };
     for (state, _) in (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Stuck) {
-        let (space, tile) = tile_of(state);
-        let (x, y) = problem.sim.position(graph.tree.state(NodeId(state)), player);
-        tiles.entry((space, tile)).or_insert(((space, [x as f32, y as f32]), true));
+        let (tile, spot) = place_of(state);
+        tiles.entry(tile).or_insert((spot, true));
     }
     let arriving = || (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Arrives).map(|(state, _)| state);
     for state in arriving() {
-        if let Some((_, is_shaded)) = tiles.get_mut(&tile_of(state)) {
+        if let Some((_, is_shaded)) = tiles.get_mut(&place_of(state).0) {
             *is_shaded = false;
         }
     }
     for next in arriving().flat_map(|state| graph.successors(state)) {
         if fates[*next as usize] == Fate::Stuck
-            && let Some((_, is_shaded)) = tiles.get_mut(&tile_of(*next))
+            && let Some((_, is_shaded)) = tiles.get_mut(&place_of(*next).0)
         {
             *is_shaded = true;
         }

@@ -101,6 +101,7 @@ pub(super) fn ways_in(
 /// The steps from states that arrive to states that are stuck, by the place that they lead to.
 fn groups(graph: &StateGraph, fates: &[Fate], places: &Places<'_>) -> BTreeMap<Vec<PlayerPlace>, Group> {
     let mut groups: BTreeMap<Vec<PlayerPlace>, Group> = BTreeMap::new();
+    let mut buffer = Vec::new();
     let arriving = (0u32..).zip(fates).filter(|(_, fate)| **fate == Fate::Arrives);
     for (from, _) in arriving {
         let steps = graph.tree.depth(NodeId(from)) + 1;
@@ -108,7 +109,7 @@ fn groups(graph: &StateGraph, fates: &[Fate], places: &Places<'_>) -> BTreeMap<V
             if fates[to as usize] != Fate::Stuck {
                 continue;
             }
-            let key = places.players(graph.tree.state(NodeId(to)));
+            let key = places.players(graph.tree.state(NodeId(to), &mut buffer));
             let group = groups.entry(key).or_insert_with(|| Group { shortest: (from, to), steps, entered: Vec::new() });
             if steps < group.steps {
                 (group.shortest, group.steps) = ((from, to), steps);
@@ -150,7 +151,8 @@ fn way_in(
     for input in script_to(graph, controls, from, None).inputs() {
         sim.step(&mut state, input, &mut scratch).ok()?;
     }
-    let target = graph.tree.state(NodeId(to));
+    let mut buffer = Vec::new();
+    let target = graph.tree.state(NodeId(to), &mut buffer);
     let set = graph.tree.set(NodeId(from));
     let leads_there = |index: &usize| {
         let mut next = state.clone();

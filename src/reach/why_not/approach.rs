@@ -38,7 +38,7 @@ impl Approach {
         let leaves = &entity.modes[mode].leaves;
         let enters = |edge: EdgeId| {
             let target = entity.edges[edge].target;
-            target.is_some_and(|target| entered(entity, target).iter().any(|leaf| leaves.contains(*leaf)))
+            target.is_some_and(|target| entity.enterable(target).ids().any(|leaf| leaves.contains(leaf)))
         };
         let way = Way::new(problem, slot, entity.modes[mode].group, &enters);
         Approach { slot, ways: vec![way] }
@@ -95,6 +95,16 @@ impl Approach {
         let groups = entity.groups.ids();
         let ways: Vec<Way> = groups.map(|group| Way::new(problem, slot, group, &writes)).collect();
         Some(Approach { slot, ways: ways.into_iter().filter(Way::leads).collect() })
+    }
+
+    /// Moves out the parts of the guards of the last edges.
+    pub fn take_last(&mut self) -> Vec<Term> {
+        let mut all = Vec::new();
+        for way in &mut self.ways {
+            let last = way.left.iter().zip(&mut way.next).filter(|(left, _)| **left == 1);
+            all.extend(last.flat_map(|(_, next)| std::mem::take(next)).flat_map(|(_, parts)| parts));
+        }
+        all
     }
 
     /// By how much less a state of a living instance counts, the nearer it is to the next edge; less than [`GUARD`].
@@ -162,8 +172,8 @@ impl Way {
         };
         let ends = |at: usize| edges(at).any(is_last);
         let after = |edge: EdgeId, hops: &[u32]| -> u32 {
-            let leaves = entity.edges[edge].target.map_or(Vec::new(), |target| entered(entity, target));
-            leaves.into_iter().filter_map(|leaf| hops.get(leaf.index()).copied()).min().unwrap_or(u32::MAX)
+            let leaves = entity.edges[edge].target.into_iter().flat_map(|target| entity.enterable(target).ids());
+            leaves.filter_map(|leaf| hops.get(leaf.index()).copied()).min().unwrap_or(u32::MAX)
         };
         let least = |at: usize, hops: &[u32]| edges(at).map(|edge| after(edge, hops)).min().unwrap_or(u32::MAX);
         let before = hops(entity.leaves.len(), ends, least);
@@ -182,14 +192,6 @@ impl Way {
 
     fn leads(&self) -> bool {
         self.left.iter().any(|left| *left < u32::MAX)
-    }
-}
-
-/// The leaves that may be active when a mode is entered: any where it chooses what is entered first.
-fn entered(entity: &Entity, mode: ModeId) -> Vec<LeafId> {
-    match entity.modes[mode].chooses {
-        true => entity.modes[mode].leaves.ids().collect(),
-        false => vec![entity.modes[mode].initial],
     }
 }
 

@@ -73,6 +73,8 @@ struct Flight {
     still: u8,
     /// Whether it is known where the player rested last.
     has_base: bool,
+    /// Whether it sank when its height last changed.
+    sank: bool,
 }
 
 /// Watches the first player.
@@ -175,7 +177,7 @@ impl Gauge {
             return;
         }
         if y != was.1 {
-            (now.still, now.changed) = (0, x as f32);
+            (now.still, now.changed, now.sank) = (0, x as f32, y < was.1);
             let rise = y - f64::from(now.base.1);
             if rise > self.seen.highest.size && now.has_base {
                 self.seen.highest = Jump { size: rise, from: base(now) };
@@ -183,6 +185,9 @@ impl Gauge {
             if y > was.1 || layout.var(state, VarId::Y, 1) < 0.0 {
                 return;
             }
+            now.still = RESTED - 1;
+        } else if now.still == 0 && now.sank {
+            // It fell to the very height of what it stands on.
             now.still = RESTED - 1;
         }
         if now.still < RESTED {

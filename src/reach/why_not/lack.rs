@@ -170,6 +170,15 @@ impl Term {
 }
 
 impl Term {
+    /// Moves out its atoms, each with the instance that it needs.
+    pub fn into_atoms(self, needed: Option<SlotId>, out: &mut Vec<(Option<SlotId>, Atom)>) {
+        match self {
+            Term::Atom(atom) => out.push((needed, atom)),
+            Term::While(slot, inner) | Term::Unless(slot, inner) => inner.into_atoms(Some(slot), out),
+            Term::All(terms) | Term::Any(terms) => terms.into_iter().for_each(|term| term.into_atoms(needed, out)),
+        }
+    }
+
     /// Its atoms.
     pub fn atoms<'t>(&'t self, out: &mut Vec<&'t Atom>) {
         match self {
@@ -183,7 +192,7 @@ impl Term {
 impl Atom {
     /// As the cost of [`Atom::lack`].
     #[inline(always)]
-    fn cost(&self, sim: &Simulator, state: &[u8], limit: f64) -> f64 {
+    pub fn cost(&self, sim: &Simulator, state: &[u8], limit: f64) -> f64 {
         if let Gauge::Var(slot, var, degree, op, bound) = &self.gauge {
             let value = sim.world().layout.slots[*slot].var(state, *var, *degree);
             return if compare(*op, value, *bound) { 0.0 } else { LEAST + (value - bound).abs() * self.weight };

@@ -11,6 +11,7 @@
 //! | `approach` | the edges to a mode or a value, and what the next one lacks |
 //! | `rooms` | the number of links between rooms, and of edges between modes |
 //! | `unit` | the units of distances |
+//! | `margins` | classes of what the numbers of a state lack, for planners |
 //! | `tracker`, `gauge` | what a search keeps: nearest states, jumps, places of rest |
 //! | `record` | the explanation as plain data |
 //! | `explain` | from what a search kept to the record |
@@ -28,6 +29,7 @@ mod contact;
 mod explain;
 mod gauge;
 mod lack;
+mod margins;
 mod record;
 mod rooms;
 mod tracker;
@@ -40,4 +42,6 @@ pub use record::{Barrier, ClosedMode, ClosedRoom, NearState, PartNearest, PartSt
 pub use tracker::{Near, Nearest};
 
 pub(super) use explain::explain;
+pub(super) use margins::Margins;
+pub(super) use rooms::hops;
 pub(super) use tracker::Tracker;

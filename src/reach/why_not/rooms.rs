@@ -4,7 +4,11 @@ use crate::ir::{Id, SpaceId, World};
 
 /// For each place, the number of steps on the shortest way to one that is looked for; `u32::MAX` if none leads there.
 /// `least` gives the least of the numbers of the places to which one leads, given all numbers.
-pub(super) fn hops(count: usize, is_wanted: impl Fn(usize) -> bool, least: impl Fn(usize, &[u32]) -> u32) -> Vec<u32> {
+pub(in super::super) fn hops(
+    count: usize,
+    is_wanted: impl Fn(usize) -> bool,
+    least: impl Fn(usize, &[u32]) -> u32,
+) -> Vec<u32> {
     let mut hops: Vec<u32> = (0..count).map(|at| if is_wanted(at) { 0 } else { u32::MAX }).collect();
     loop {
         let mut has_changed = false;

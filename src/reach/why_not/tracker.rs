@@ -152,10 +152,7 @@ impl<'a> Tracker<'a> {
         if sum > whole.cost || sum == f64::INFINITY {
             return;
         }
-        let way_left = self.distances.map_or(0, |distances| {
-            let (x, y) = sim.position(state, distances.player);
-            distances.of(sim.space(state, distances.player), x, y)
-        });
+        let way_left = self.distances.map_or(0, |distances| distances.of(sim, state));
         if sum < whole.cost || way_left < whole.way_left {
             *whole = Best { cost: sum, way_left, way: Some(Way::Choice(choice, step)) };
         }

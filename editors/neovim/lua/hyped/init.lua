@@ -7,6 +7,7 @@
 
 local level = require('hyped.level')
 local paint = require('hyped.paint')
+local tags = require('hyped.tags')
 local verdicts = require('hyped.verdicts')
 
 local M = {}
@@ -104,6 +105,7 @@ function M.enable()
   end
   verdicts.enable()
   paint.enable()
+  tags.enable()
 
   local group = vim.api.nvim_create_augroup('hyped', {})
   vim.api.nvim_create_autocmd('FileType', {

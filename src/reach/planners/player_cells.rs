@@ -1,0 +1,88 @@
+//! The cells of players, for planners that keep states apart by them (`distance_guided.rs`, `time_guided.rs`): where they
+//! are, what their discrete variables are, their velocities and their modes.
+
+use crate::ir::{Extremes, SlotId, VarId};
+use crate::reach::coverage::{PLACE, mix};
+use crate::reach::distance::DistanceField;
+use crate::reach::metric::{Coordinate, Metric, Point, Quantity};
+use crate::reach::problem::Problem;
+use crate::reach::search_context::SearchContext;
+use crate::reach::why_not::Margins;
+
+use super::Guidance;
+
+/// As many cells lie side by side in a place of another instance: a crate fits through a gap of its own size only.
+const LED: f64 = 4.0;
+
+/// The velocities and modes of the players, as they stand in points.
+#[derive(Debug)]
+pub(super) struct PlayerCells<'m> {
+    /// Who else the distance to the goal is of, such as a crate: its place counts, too.
+    led: Option<SlotId>,
+    /// The coordinates of velocities, with their cells per unit of distance and the offset of the first.
+    velocities: Vec<(usize, f32, f32)>,
+    /// The groups, as indices of modes.
+    modes: Vec<usize>,
+    /// What the goal asks of numbers.
+    margins: &'m Margins,
+}
+
+impl<'m> PlayerCells<'m> {
+    /// Those of the players of a problem, with a number of cells for the range of velocities.
+    pub fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>, count: f64) -> Self {
+        let is_player = |slot: SlotId| problem.players().contains(&slot);
+        let velocity = |(index, c): (usize, &Coordinate)| match c.quantity {
+            Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
+                let width = (c.high - c.low).greatest(f64::MIN_POSITIVE);
+                Some((index, (count * c.unit / width) as f32, c.scaled(c.low)))
+            }
+            _ => None,
+        };
+        let (world, program) = (problem.sim.world(), problem.sim.program());
+        let groups = problem.players().iter().flat_map(|&slot| {
+            let groups = program.entities[world.slots[slot].entity].groups.ids();
+            groups.filter_map(move |group| metric.mode_index(slot, group))
+        });
+        let led = guidance.distances.map(DistanceField::slot).filter(|slot| !is_player(*slot));
+        PlayerCells {
+            led,
+            velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
+            modes: groups.collect(),
+            margins: guidance.margins,
+        }
+    }
+
+    /// The keys of the place of the node that was added last, squares with sides of some length (px), and of its cell in it.
+    pub fn keys(&self, context: &SearchContext<'_>, point: &Point, side: f64) -> [u64; 2] {
+        let state = context.reached();
+        let world = context.problem.sim.world();
+        let mut place = 0;
+        for &slot in context.problem.players() {
+            place = place_of(context, slot, side, place);
+            let layout = &world.layout.slots[slot];
+            for id in context.problem.sim.program().entities[world.slots[slot].entity].discretes.ids() {
+                place = mix(place, layout.discrete(state, id) as u64);
+            }
+        }
+        place = self.led.map_or(place, |slot| place_of(context, slot, PLACE, place));
+        let mut cell = mix(place, 1);
+        if let Some(slot) = self.led {
+            cell = place_of(context, slot, PLACE / LED, cell);
+        }
+        for &(index, scale, offset) in &self.velocities {
+            cell = mix(cell, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
+        }
+        for &index in &self.modes {
+            cell = mix(cell, u64::from(point.modes[index].to_bits()));
+        }
+        [place, self.margins.key(context.problem.sim, state, cell)]
+    }
+}
+
+/// A key with the place of an instance, a square with sides of some length (px).
+fn place_of(context: &SearchContext<'_>, slot: SlotId, side: f64, key: u64) -> u64 {
+    let (layout, state) = (&context.problem.sim.world().layout.slots[slot], context.reached());
+    let (x, y) = (layout.var(state, VarId::X, 0), layout.var(state, VarId::Y, 0));
+    let numbers = [f64::from(layout.space(state).0), (x / side).floor(), (y / side).floor()];
+    numbers.into_iter().fold(key, |key, number| mix(key, number as i64 as u64))
+}

@@ -1,0 +1,141 @@
+//! Goals to which no position of a player leads by itself: a mode that an edge with speeds in its guard enters, something
+//! that has to be pushed, a supply of which some has to be left. Each is found for several seeds, and its way replays.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::support::{Disk, assert_leads_to, compile_text, program};
+use hypedc::compile::{LevelFile, compile, compile_with};
+use hypedc::ir::{Program, WorldId};
+use hypedc::reach::query::{Query, Session};
+use hypedc::reach::{Limits, Plan, Planner, Settings, Target, Verdict};
+use hypedc::sim::Simulator;
+use hypedc::watch::Unwatched;
+
+const WORLD: WorldId = WorldId(0);
+
+/// The way to a goal, with the number of nodes of the search.
+fn find(program: &Arc<Program>, goal: &str, (seed, nodes): (u64, u64), planner: Planner) -> Option<(Plan, u64)> {
+    let goal = program.worlds[WORLD].goals.pairs().find(|(_, g)| g.name == goal).unwrap().0;
+    let query = Query {
+        settings: Settings { seed, planner, ..Settings::default() },
+        limits: Limits { nodes, ..Limits::default() },
+        ..Query::new(vec![Target::Goal(goal)])
+    };
+    let session = Session::new(program, WORLD, query, &Unwatched);
+    let found = session.find(Target::Goal(goal), &Unwatched).unwrap();
+    let Verdict::Reached(plan) = found.outcome.verdict else { return None };
+    assert_leads_to(&Simulator::new(program, WORLD), &plan.script, goal);
+    Some((plan, found.outcome.statistics.nodes))
+}
+
+#[test]
+fn what_has_to_be_slow_or_pushed_is_found() {
+    for (name, goal) in [("lander", "landed"), ("crate", "plate")] {
+        let program = program(compile(Path::new(&format!("benches/worlds/{name}.hyped")), &Disk));
+        let found = (1..=4).filter(|&seed| find(&program, goal, (seed, 300_000), Planner::Auto).is_some());
+        assert!(found.count() >= 3, "{name}");
+    }
+}
+
+/// A box on a bench that a hero pushes from the left onto a button, two rooms away from where a straight line leads.
+const BOX: &str = "
+    entity Hero {
+        param speed: px/s = 90
+        axis across, along
+        collider body: rect(0, 0, 12, 12)
+        x' = speed * across
+        y' = speed * along
+    }
+    entity Box { collider box: rect(0, 0, 14, 14)
+        x' = 0
+        y' = 0
+    }
+    entity Button { collider plate: rect(4, 4, 8, 8)
+        mode up { when touching(plate, box) -> down }
+        mode down { }
+    }
+    entity Lamp { ref plate: Button
+        mode dark { when plate in down -> lit }
+        mode lit { }
+    }
+    world W { step 1/60
+        collide body, box with wall: block
+        collide body with box: block
+        collide box with plate: sense
+        tiles t 16 x 16 { '.': empty; '#': wall }
+        space main {
+            map t \"
+                ############
+                #..........#
+                #..........#
+                #..........#
+                ############
+            \"
+            place hero: Hero at (20, 20)
+            place crate: Box at (60, 33)
+            place plate: Button at (144, 32)
+            place lamp: Lamp at (160, 48) { plate = plate }
+        }
+        player 1: hero
+        goal light: lamp in lit
+    }";
+
+#[test]
+fn edges_are_followed_back_through_the_modes_of_others() {
+    let program = program(compile_text(BOX));
+    for seed in 1..=3 {
+        assert!(find(&program, "light", (seed, 60_000), Planner::DistanceGuided).is_some(), "{seed}");
+    }
+}
+
+/// A car with little fuel: it has to roll for most of the way, to have enough left.
+const CAR: &str = "
+    entity Car {
+        param slow: px/s = 30
+        param fast: px/s = 60
+        axis across
+        button burn
+        continuous fuel = 4
+        clamp fuel >= 0
+        invariant fuel >= 0
+        collider body: rect(0, 0, 8, 8)
+        mode rolling {
+            x' = slow * across
+            fuel' = 0
+            when held(burn) and fuel > 0 -> driving
+        }
+        mode driving {
+            x' = fast * across
+            fuel' = -1
+            when not held(burn) or fuel <= 0 -> rolling
+        }
+    }
+    world W { step 1/60
+        space main { place car: Car at (0, 0) }
+        player 1: car
+        goal far: car.x >= 400 and car.fuel >= 1
+    }";
+
+#[test]
+fn what_is_used_up_ends_a_branch() {
+    let program = program(compile_text(CAR));
+    for planner in [Planner::Auto, Planner::Coverage] {
+        for seed in 1..=3 {
+            assert!(find(&program, "far", (seed, 40_000), planner).is_some(), "{planner:?} {seed}");
+        }
+    }
+}
+
+/// Two planners that go on from each other's ways need no more than the better one alone, or little more.
+#[test]
+fn ways_are_exchanged() {
+    let map = Some(Path::new("examples/mega-man/megaman_1_1.txt"));
+    let level = LevelFile { map, ..LevelFile::default() };
+    let program = program(compile_with(Path::new("examples/mega-man/mega_man.hyped"), level, &Disk));
+    for seed in 1..=2 {
+        assert!(find(&program, "end", (seed, 200_000), Planner::Auto).is_some(), "{seed}");
+    }
+}

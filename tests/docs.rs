@@ -56,11 +56,17 @@ fn read(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(path.as_ref()).unwrap_or_else(|e| panic!("{}: {e}", path.as_ref().display()))
 }
 
+/// The cache of the commands that run in a folder. It stands beside it, so that none of them sees it.
+fn cache(folder: &Path) -> PathBuf {
+    let name = folder.file_name().unwrap_or_default();
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("docs-cache").join(name)
+}
+
 fn hypedc(folder: &Path, arguments: &[String]) -> (String, String, i32) {
     let output = Command::new(env!("CARGO_BIN_EXE_hypedc"))
         .args(arguments)
         .current_dir(folder)
-        .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
+        .env("XDG_CACHE_HOME", cache(folder))
         .output()
         .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -189,11 +195,12 @@ struct Sandbox {
 }
 
 impl Sandbox {
-    /// A new folder with a copy of the examples.
+    /// A new folder with a copy of the examples. Nothing is cached: ways of an older build would be other ones.
     fn new(page: &Path) -> Self {
         let name = page.with_extension("").to_str().unwrap().replace(['/', '\\'], "-");
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("docs").join(name);
         let _ = std::fs::remove_dir_all(&folder);
+        let _ = std::fs::remove_dir_all(cache(&folder));
         copy("examples", &folder.join("examples"));
         Sandbox { folder, code: 0, commands: Vec::new() }
     }

@@ -10,6 +10,7 @@ mod current;
 mod edits;
 mod files;
 mod levels;
+mod memory;
 mod names;
 mod offered;
 mod paint;

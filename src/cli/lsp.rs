@@ -8,9 +8,9 @@ use std::time::Instant;
 use crate::lsp::{Server, Settings, Transport, Workspace};
 use crate::source::{Files, ReadError};
 
-use super::Exit;
 use super::disk::{Disk, keep_in_cache, user_cache};
 use super::report::sha256;
+use super::{Exit, memory};
 
 /// Maximum number of compiled programs of a workspace, and of folders searched for them.
 const MAX_PROGRAMS: usize = 2_000;
@@ -59,6 +59,10 @@ impl Workspace for Folders {
         if let Some(path) = remembered(key) {
             keep_in_cache(&path, text);
         }
+    }
+
+    fn release_memory(&self) {
+        memory::release();
     }
 
     fn seconds(&self) -> f64 {

@@ -22,6 +22,8 @@ mod import;
 mod ir;
 #[cfg(feature = "lsp")]
 mod lsp;
+#[cfg(feature = "lsp")]
+mod memory;
 mod new;
 mod page;
 mod pictures;

@@ -112,10 +112,10 @@ impl Setup {
     }
 
     /// The nodes of the shortest tree before a restart, or `never`; `own` for `auto`, whose planners have different
-    /// rules, and for `time-guided`, which has one of its own.
+    /// rules, and for `time-guided` and `beam`, which have one of their own.
     pub fn restarts(&self) -> String {
         match (self.restart, self.planner) {
-            (Restart::Never | Restart::ByPlanner, Planner::TimeGuided) => "own".to_string(),
+            (Restart::Never | Restart::ByPlanner, Planner::TimeGuided | Planner::Beam) => "own".to_string(),
             (Restart::Never, _) => "never".to_string(),
             (Restart::After(nodes), _) => nodes.to_string(),
             (Restart::ByPlanner, Planner::Auto) => "own".to_string(),
@@ -126,7 +126,7 @@ impl Setup {
     /// Number of steps that inputs are held; none: the planner's default.
     pub fn held(&self) -> String {
         match (self.hold, self.planner) {
-            (None, Planner::Auto | Planner::TimeGuided) => "own".to_string(),
+            (None, Planner::Auto | Planner::TimeGuided | Planner::Beam) => "own".to_string(),
             (hold, planner) => match hold.unwrap_or(planner.hold()) {
                 (low, high) if low == high => low.to_string(),
                 (low, high) => format!("{low}..{high}"),

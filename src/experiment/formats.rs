@@ -20,10 +20,10 @@ const RESULT_VERSION: u32 = 1;
 /// | `test` | `test1` or `test2` of the paper, or a file and its world |
 /// | `goal` | the goal's name |
 /// | `planner` | who searched |
-/// | `restarts` | nodes of the shortest tree before a restart, or `never`; `own` for `auto` and `time-guided` |
+/// | `restarts` | nodes of the shortest tree before a restart, or `never`; `own` for `auto`, `time-guided`, `beam` |
 /// | `bounds` | `naive` or `reduced` |
 /// | `metric` | `full` or `xy` |
-/// | `hold` | steps that an input is held, `10` or `4..60`; `own` for `auto` and `time-guided` |
+/// | `hold` | steps that an input is held, `10` or `4..60`; `own` for `auto`, `time-guided`, `beam` |
 /// | `seed` | of the generator |
 /// | `verdict` | `reached`, `not-found`, `out-of-memory`, `proven-unreachable` |
 /// | `nodes`, `trees`, `extensions`, `steps` | over the whole run; steps simulated |

@@ -372,8 +372,21 @@ fn expression<'a>(
             let op = op.symbol();
             format!("{} {op} {}", sub(a), sub(b))
         }
-        Expr::And(a, b) => format!("({} and {})", sub(a), sub(b)),
-        Expr::Or(a, b) => format!("({} or {})", sub(a), sub(b)),
+        // The grouping of operands of one word means nothing.
+        Expr::And(a, b) | Expr::Or(a, b) => {
+            let is_and = matches!(p.exprs[id], Expr::And(..));
+            let operand = |id: ExprId| {
+                let text = sub(id);
+                let is_same = match p.exprs[id] {
+                    Expr::And(..) => is_and,
+                    Expr::Or(..) => !is_and,
+                    _ => false,
+                };
+                let inner = text.strip_prefix('(').and_then(|text| text.strip_suffix(')'));
+                inner.filter(|_| is_same).map(str::to_string).unwrap_or(text)
+            };
+            format!("({} {} {})", operand(a), if is_and { "and" } else { "or" }, operand(b))
+        }
         Expr::Not(a) => format!("not {}", sub(a)),
         Expr::Button(press, button) => {
             let word = match press {

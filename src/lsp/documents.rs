@@ -7,6 +7,9 @@ use std::sync::Arc;
 
 use crate::lsp::text::document_text::{Encoding, Position, Text};
 
+/// Bytes of text that leave enough memory free to give it back to the system.
+const MUCH: usize = 1 << 20;
+
 /// An open document.
 #[derive(Debug, Clone)]
 pub(in crate::lsp) struct Document {
@@ -36,6 +39,8 @@ pub(in crate::lsp) type OpenDocuments = BTreeMap<PathBuf, Document>;
 #[derive(Debug, Default)]
 pub(in crate::lsp) struct Documents {
     open: Arc<OpenDocuments>,
+    /// Bytes of text that were closed or removed since memory was given back.
+    dropped: usize,
 }
 
 impl Documents {
@@ -56,6 +61,7 @@ impl Documents {
         let Some(document) = Arc::make_mut(&mut self.open).get_mut(path) else { return false };
         document.version = version;
         let text = Arc::make_mut(&mut document.text);
+        let length = text.whole().len();
         for Change { range, new_text } in changes {
             text.change(range.clone(), new_text, encoding);
             document.edited = range.as_ref().map(|range| {
@@ -63,6 +69,7 @@ impl Documents {
                 first..=first.saturating_add(new_text.matches('\n').count() as u32)
             });
         }
+        self.dropped += length.saturating_sub(text.whole().len());
         true
     }
 
@@ -74,7 +81,18 @@ impl Documents {
 
     /// Closes a document; returns whether it was open.
     pub fn close(&mut self, path: &Path) -> bool {
-        Arc::make_mut(&mut self.open).remove(path).is_some()
+        let closed = Arc::make_mut(&mut self.open).remove(path);
+        self.dropped += closed.as_ref().map_or(0, |document| document.text.whole().len());
+        closed.is_some()
+    }
+
+    /// Whether much text was closed or removed since the last call that said so.
+    pub fn dropped_much(&mut self) -> bool {
+        let is_much = self.dropped >= MUCH;
+        if is_much {
+            self.dropped = 0;
+        }
+        is_much
     }
 
     /// An open document.

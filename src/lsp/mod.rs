@@ -70,6 +70,9 @@ pub trait Workspace: Files + Send + Sync {
     /// Remembers a text under a key. What cannot be written is forgotten.
     fn remember(&self, _key: &str, _text: &str) {}
 
+    /// Gives memory that is free back to the system. Called when nothing is left to do after much text was closed.
+    fn release_memory(&self) {}
+
     /// Seconds since some moment, for records; always 0 without a clock.
     fn seconds(&self) -> f64 {
         0.0

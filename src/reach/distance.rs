@@ -112,6 +112,29 @@ impl DistanceField {
         self.places[space.index()][cell].min(self.far)
     }
 
+    /// The distance in a state, in places, that changes with each px: within a place towards those that are nearer.
+    pub fn fine(&self, sim: &Simulator, state: &[u8]) -> f64 {
+        let ((x, y), space) = (sim.position(state, self.slot), sim.space(state, self.slot));
+        let (grid, (_, cell)) = (&self.grids[space.index()], self.cell(sim, state));
+        let (column, row) = (cell % grid.columns, cell / grid.columns);
+        let places = &self.places[space.index()];
+        let here = places[cell].min(self.far);
+        // Which of the two places beside it is nearer, and how far it is into this one from the middle.
+        let along = |at: f64, low: f64, index: usize, count: usize, apart: usize| {
+            let into = ((at - low) / PLACE - index as f64).clamp(0.0, 1.0) - 0.5;
+            let before = index > 0 && places[cell - apart] < here;
+            let after = index + 1 < count && places[cell + apart] < here;
+            match (before, after) {
+                (true, false) => into,
+                (false, true) => -into,
+                _ => 0.0,
+            }
+        };
+        let across = along(x, grid.left, column, grid.columns, 1);
+        let upwards = along(y, grid.bottom, row, grid.rows, grid.columns);
+        f64::from(here) + across + upwards
+    }
+
     /// A lower bound of the number of steps to the goal from a state, if nothing carries the player; 0 if none is known.
     pub fn least_steps(&self, sim: &Simulator, state: &[u8]) -> u32 {
         let (space, cell) = self.cell(sim, state);

@@ -1,6 +1,7 @@
-//! Makes a plan faster: repeats the question with less time as long as there is an answer. After AO-x of Hauser and
-//! Zhou, *Asymptotically Optimal Planning by Feasible Kinodynamic Planning in a State-Cost Space*, 2016, in which each
-//! plan bounds the cost of the next.
+//! Makes a plan faster: by a beam (`planners/beam.rs`), which goes on from each path to faster ones; where it finds none,
+//! repeats the question with less time as long as there is an answer. After AO-x of Hauser and Zhou, *Asymptotically
+//! Optimal Planning by Feasible Kinodynamic Planning in a State-Cost Space*, 2016, in which each plan bounds the cost of
+//! the next.
 
 use crate::analysis::ConfigurationSpace;
 use crate::watch::Watch;
@@ -13,7 +14,10 @@ use super::search::{Limits, Settings, search};
 
 /// Time limits of the next plan, in percent of the last one; the boldest is tried first.
 const TIMES: [u64; 4] = [60, 80, 90, 97];
-/// The divisor of the node budget for one search, and the maximum number of its nodes.
+/// The divisors of the node budget for a beam, and for its nodes without a faster plan.
+const BEAM: u64 = 2;
+const PATIENCE: u64 = 4;
+/// The divisor of the node budget for one other search, and the maximum number of its nodes.
 const SHARE: u64 = 4;
 const MAX_NODES: u64 = 100_000;
 /// The fewest nodes for a faster plan than the first one, and the percentage of its time that it may take: less is not
@@ -32,38 +36,39 @@ pub fn improve_duration(
     watch: &dyn Watch,
 ) -> Plan {
     let mut best = plan.clone();
-    // Each finds ways that the other does not.
-    let planners = match settings.planner {
-        Planner::Auto => vec![Planner::TimeGuided, Planner::DistanceGuided],
-        planner => vec![planner],
-    };
-    let (mut left, mut round, mut tried) = (limits.nodes, 0, 0);
+    let (mut left, mut round) = (limits.nodes, 0);
     // A shortest plan cannot be improved.
-    while let Some(percent) = TIMES.get(tried).filter(|_| !best.is_shortest && left > 0 && !watch.stop()) {
-        let steps = (best.steps - best.after) * percent / 100;
-        if steps == 0 {
-            break;
+    let mut is_faster = |planner, percent: u64, most: u64, patience: u64| {
+        let steps = best.steps - best.after;
+        let within = (steps * percent / 100).min(steps.saturating_sub(1));
+        let nodes = most.min(left);
+        if best.is_shortest || within == 0 || nodes == 0 || watch.stop() {
+            return false;
         }
         round += 1;
-        let limited = problem.clone().within(u32::try_from(steps).unwrap_or(u32::MAX));
-        let faster = planners.iter().find_map(|&planner| {
-            let nodes = (limits.nodes / SHARE).clamp(1, MAX_NODES).min(left);
-            if nodes == 0 {
-                return None;
-            }
-            let settings = Settings { planner, seed: mix(settings.seed, round), records: false, ..*settings };
-            let limits = Limits { nodes, ..*limits };
-            let outcome = search(&limited, space, &settings, &limits, watch).ok()?;
-            left = left.saturating_sub(outcome.statistics.nodes.max(1));
-            match outcome.verdict {
-                Verdict::Reached(plan) if plan.steps - plan.after < best.steps - best.after => Some(plan),
-                _ => None,
-            }
-        });
-        match faster {
-            Some(plan) => best = plan,
-            None => tried += 1,
+        let limited = problem.clone().within(u32::try_from(within).unwrap_or(u32::MAX));
+        let settings = Settings { planner, seed: mix(settings.seed, round), records: false, patience, ..*settings };
+        let Ok(outcome) = search(&limited, space, &settings, &Limits { nodes, ..*limits }, watch) else { return false };
+        left = left.saturating_sub(outcome.statistics.nodes.max(1));
+        match outcome.verdict {
+            Verdict::Reached(plan) if plan.steps - plan.after < steps => best = plan,
+            _ => return false,
         }
+        true
+    };
+    // Each finds ways that the others do not.
+    let planners: &[Planner] = match settings.planner {
+        Planner::Auto => {
+            if is_faster(Planner::Beam, 100, limits.nodes / BEAM, limits.nodes / PATIENCE) {
+                return best;
+            }
+            &[Planner::TimeGuided, Planner::DistanceGuided]
+        }
+        _ => &[settings.planner],
+    };
+    let most = (limits.nodes / SHARE).clamp(1, MAX_NODES);
+    for percent in TIMES {
+        while planners.iter().any(|planner| is_faster(*planner, percent, most, 0)) {}
     }
     best
 }

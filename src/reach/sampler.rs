@@ -47,8 +47,12 @@ pub(super) struct Sampler<'a> {
     restart: Option<u64>,
     /// Maximum number of nodes of the current tree.
     max_tree_nodes: u64,
-    /// The distance field, if there is a time limit.
+    /// The distance field, if there is a time limit, or a path is to be followed by faster ones.
     distances: Option<&'a DistanceField>,
+    /// Number of nodes without a faster path after which it ends with the fastest one; 0: with the first.
+    patience: u64,
+    /// The fastest path so far, and the number of nodes when it was found.
+    fastest: Option<(Plan, u64)>,
     lost: &'a Lost,
     /// The distance field, if ways are exchanged with other searches.
     exchanged: Option<&'a DistanceField>,
@@ -72,7 +76,7 @@ impl<'a> Sampler<'a> {
         strategy: Box<dyn Strategy + Send + 'a>,
         name: &'static str,
         goal_bias: Option<f64>,
-        restart: Option<u64>,
+        (restart, patience): (Option<u64>, u64),
         (distances, lost): (Option<&'a DistanceField>, &'a Lost),
     ) -> Self {
         // Near to an edge is not near to the goal: what is too fast there gets no further.
@@ -86,7 +90,9 @@ impl<'a> Sampler<'a> {
             goal_bias: goal_bias.map(|share| share.clamp(0.0, 1.0)),
             restart,
             max_tree_nodes: 0,
-            distances: distances.filter(|_| context.problem.time().is_some()),
+            distances: distances.filter(|_| context.problem.time().is_some() || patience > 0),
+            patience,
+            fastest: None,
             lost,
             exchanged,
             nearest: (u32::MAX, None),
@@ -166,9 +172,16 @@ impl<'a> Sampler<'a> {
         self.strategy.choose(&mut self.context, &self.toward)
     }
 
+    /// Maximum number of steps of a path: of the question, and to be faster than the fastest so far.
+    fn time(&self) -> Option<u32> {
+        let faster = self.fastest.as_ref().map(|(plan, _)| (plan.steps - plan.after).saturating_sub(1));
+        let faster = faster.and_then(|steps| u32::try_from(steps).ok());
+        faster.into_iter().chain(self.context.problem.time()).min()
+    }
+
     /// Whether the remaining time at a depth is less than the lower bound from a state.
     fn is_too_late(&self, state: &[u8], depth: u32) -> bool {
-        let (Some(most), Some(distances)) = (self.context.problem.time(), self.distances) else { return false };
+        let (Some(most), Some(distances)) = (self.time(), self.distances) else { return false };
         depth.saturating_add(distances.least_steps(self.context.problem.sim, state)) > most
     }
 
@@ -217,10 +230,28 @@ impl<'a> Sampler<'a> {
             }
             Extension::Dead => self.strategy.learn(&mut self.context, Some(choice), Growth::Failed),
             Extension::Goal(steps) => {
-                return self.context.plan(choice, steps, false);
+                let after = self.context.tree.depth(choice.node) + u32::from(steps);
+                if self.time().is_none_or(|most| after <= most) {
+                    return self.context.plan(choice, steps, false);
+                }
+                self.strategy.learn(&mut self.context, Some(choice), Growth::Failed);
             }
         }
         None
+    }
+
+    /// Takes a path, which is faster than all before; returns it if it ends the search.
+    fn take(&mut self, plan: Plan) -> Option<Plan> {
+        if self.patience == 0 {
+            return Some(plan);
+        }
+        self.fastest = Some((plan, self.nodes()));
+        None
+    }
+
+    /// Whether it has been long since the fastest path was found.
+    fn is_fast_enough(&self) -> bool {
+        self.fastest.as_ref().is_some_and(|(_, at)| self.nodes() - at >= self.patience)
     }
 }
 
@@ -228,19 +259,28 @@ impl Searcher for Sampler<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.context.notes.statistics.nodes.saturating_add(nodes);
         while self.context.notes.statistics.nodes < until {
+            if self.is_fast_enough()
+                && let Some(plan) = self.pending()
+            {
+                return Ending::Reached(plan);
+            }
             if self.context.meter.spend(self.sample_work()) {
                 return Ending::Stopped;
             }
             if self.is_over() {
                 self.start_tree();
                 if self.is_hopeless() {
-                    return Ending::Spent;
+                    return self.pending().map_or(Ending::Spent, Ending::Reached);
                 }
-            } else if let Some(plan) = self.iterate() {
+            } else if let Some(plan) = self.iterate().and_then(|plan| self.take(plan)) {
                 return Ending::Reached(plan);
             }
         }
         Ending::Paused
+    }
+
+    fn pending(&mut self) -> Option<Plan> {
+        self.fastest.take().map(|(plan, _)| plan)
     }
 
     fn nearest(&self) -> Option<u32> {

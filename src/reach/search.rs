@@ -44,6 +44,8 @@ pub struct Settings {
     pub goal_bias: f64,
     /// When a tree is given up for a new one.
     pub restart: Restart,
+    /// Number of nodes without a faster path after which a sampling planner ends that has found one; 0: with the first.
+    pub patience: u64,
     /// Where samples are drawn from.
     pub sampling: Sampling,
     /// The metric.
@@ -71,6 +73,7 @@ impl Default for Settings {
             hold: None,
             goal_bias: 0.05,
             restart: Restart::ByPlanner,
+            patience: 0,
             sampling: Sampling::Reduced,
             measure: Measure::Full,
             trees: 1,
@@ -344,7 +347,7 @@ impl<'a> Builder<'_, 'a> {
             strategy,
             planner.name(),
             goal_bias,
-            restart,
+            (restart, self.settings.patience),
             (self.guidance.distances, self.lost),
         ))
     }

@@ -305,3 +305,34 @@ fn an_editor_that_resolves_actions_gets_the_edits_of_large_programs_later() {
     assert_eq!(client.request("codeAction/resolve", constant.clone()).unwrap_err().0, -32803);
     assert!(client.stop());
 }
+
+#[test]
+fn a_condition_is_extracted_from_any_part_of_a_conjunction_and_from_nothing_that_means_more() {
+    let text = |guard: &str| {
+        let entity =
+            format!("entity A {{\n    initial mode a {{\n        when {guard} -> b\n    }}\n    mode b {{ }}\n}}\n");
+        format!("{entity}\nworld W {{\n    space main {{ place a: A at (0, 0) }}\n}}\n")
+    };
+    let extracted = |guard: &str, part: &str| {
+        let text = text(guard);
+        let mut client = Client::start(&[], json!({}));
+        client.open(&uri(PROGRAM), &text);
+        let start = text.find(part).unwrap();
+        let range = json!({ "start": position(&text, start), "end": position(&text, start + part.len()) });
+        let listed = refactorings(&mut client, &range);
+        let condition = listed.iter().find(|action| action["title"] == "extract a condition");
+        let after = condition.map(|action| applied(&Files::from([(PROGRAM.to_string(), text)]), action));
+        assert!(client.stop());
+        let after = after?.remove(PROGRAM)?;
+        let guard = after.lines().find_map(|line| line.trim().strip_prefix("when ")?.strip_suffix(" -> b"))?;
+        let condition = after.lines().find_map(|line| line.trim().strip_prefix("condition new_condition = "))?;
+        Some((guard.to_string(), condition.to_string()))
+    };
+    let both = |guard: &str, condition: &str| Some((guard.to_string(), condition.to_string()));
+    let (three, mixed) = ("x > 1 and y > 2 and x < 9", "x > 1 and y > 2 or x < 9");
+    assert_eq!(extracted(three, "y > 2 and x < 9"), both("x > 1 and new_condition", "y > 2 and x < 9"));
+    assert_eq!(extracted(three, "x > 1 and y > 2"), both("new_condition and x < 9", "x > 1 and y > 2"));
+    assert_eq!(extracted(mixed, "x > 1 and y > 2"), both("new_condition or x < 9", "x > 1 and y > 2"));
+    assert_eq!(extracted(mixed, "y > 2 or x < 9"), None);
+    assert_eq!(extracted("x > 1 and y > 2 * 3 and x < 9", "3 and x < 9"), None);
+}

@@ -484,14 +484,13 @@ impl Server {
                 self.idle = Some(revision);
                 self.ask();
                 self.resume();
+                if self.context.view.documents.dropped_much() {
+                    self.context.view.disk.release_memory();
+                }
             }
             Event::Analyzed(snapshot, found) => {
-                let state = self
-                    .context
-                    .view
-                    .programs
-                    .get_mut(&snapshot.root)
-                    .filter(|state| Arc::ptr_eq(&state.current, &snapshot));
+                let programs = &mut self.context.view.programs;
+                let state = programs.get_mut(&snapshot.root).filter(|state| Arc::ptr_eq(&state.current, &snapshot));
                 let Some(state) = state else { return };
                 let (findings, ranges) = *found;
                 self.published.analyzed(&snapshot, &findings, self.context.client.encoding);

@@ -5,6 +5,7 @@
 //! To add a planner, add a file with its strategy, a variant of [`Planner`] and an entry of `SPECS`.
 
 mod adaptive;
+mod beam;
 mod blended;
 mod cells;
 mod coverage_guided;
@@ -41,6 +42,7 @@ pub enum Planner {
     Coverage,
     DistanceGuided,
     TimeGuided,
+    Beam,
     Exhaustive,
     BestFirst,
 }
@@ -107,7 +109,7 @@ impl Spec {
 }
 
 /// All planners, in the order of [`Planner`].
-const SPECS: [Spec; 13] = [
+const SPECS: [Spec; 14] = [
     Spec {
         planner: Planner::Auto,
         name: "auto",
@@ -181,6 +183,18 @@ const SPECS: [Spec; 13] = [
         method: Method::Sampling {
             samples: false,
             strategy: |problem, metric, guidance| Box::new(time_guided::TimeGuided::new(problem, metric, guidance)),
+        },
+    },
+    Spec {
+        planner: Planner::Beam,
+        name: "beam",
+        summary: "of all states of a time, only the nearest to the goal (beam search, after Lowerre 1976)",
+        hold: (1, 16),
+        restart: u64::MAX,
+        uses_distances: true,
+        method: Method::Sampling {
+            samples: false,
+            strategy: |problem, metric, guidance| Box::new(beam::Beam::new(problem, metric, guidance)),
         },
     },
     Spec::exhaustive(

@@ -13,6 +13,9 @@ pub(super) const UNKNOWN: &str = "#name";
 /// Names that open a call.
 const CALLS: &[&str] = &["pressed", "held", "released", "touching", "entering", "exiting", "lost", "received"];
 
+/// The number of last words of a statement or a guard that count, so that a line of any length is read in linear time.
+pub(super) const NEARBY: usize = 64;
+
 /// A word, number or symbol. Statements are separated by `;`; the braces of a set of values are `[` and `]`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Word<'t> {
@@ -80,6 +83,15 @@ pub(super) struct Reading<'t> {
     classes: BTreeMap<&'t str, &'static str>,
     /// The brackets that are open in the statement.
     brackets: Vec<&'t str>,
+    /// Whether the statement at the end has a colon.
+    has_colon: bool,
+    /// The last predicate of buttons, signals or colliders in the statement at the end.
+    call: &'t str,
+}
+
+/// The last of some words.
+pub(super) fn nearby<'w, 't>(words: &'w [Word<'t>]) -> &'w [Word<'t>] {
+    words.get(words.len().saturating_sub(NEARBY)..).unwrap_or_default()
 }
 
 pub(super) fn ends_statement(word: &str) -> bool {
@@ -114,7 +126,7 @@ impl<'t> Reading<'t> {
             let separates = std::mem::take(&mut line_over) && !is_operator(word) && !matches!(word, "{" | "}");
             if (separates || word == ";") && !ends_statement(reading.before(1).text) {
                 reading.words.push(Word { text: ";", class: ";" });
-                reading.start = reading.words.len();
+                reading.begin_statement();
             }
             if word != ";" {
                 reading.push(word, token.kind);
@@ -123,7 +135,7 @@ impl<'t> Reading<'t> {
         let line = text.rsplit('\n').next().unwrap_or_default();
         if line_over && line.trim().is_empty() {
             reading.words.push(Word { text: ";", class: ";" });
-            reading.start = reading.words.len();
+            reading.begin_statement();
         }
         reading.finish();
         reading
@@ -198,8 +210,19 @@ impl<'t> Reading<'t> {
         }
         self.words.push(Word { text, class });
         if matches!(text, "{" | "}") {
-            self.start = at + 1;
+            self.begin_statement();
+            return;
         }
+        self.has_colon |= text == ":";
+        if CALLS.contains(&text) {
+            self.call = text;
+        }
+    }
+
+    fn begin_statement(&mut self) {
+        self.start = self.words.len();
+        self.has_colon = false;
+        self.call = "";
     }
 
     /// The class of a name or keyword; notes its declaration or its use.
@@ -223,7 +246,7 @@ impl<'t> Reading<'t> {
             "group" if begins => Some("#group"),
             "entity" | "behavior" | "world" if begins => Some("#entity"),
             "mode" | "initial" if last == "mode" => Some("#mode"),
-            "collider" | "kinematic" if (last == "collider" || in_list) && !self.has(":") => Some("#tag"),
+            "collider" | "kinematic" if (last == "collider" || in_list) && !self.has_colon => Some("#tag"),
             _ => None,
         };
         if let Some(class) = declared {
@@ -256,17 +279,11 @@ impl<'t> Reading<'t> {
         if let Some(class) = self.classes.get(text) {
             return class;
         }
-        let call = self.statement().iter().rev().find(|word| CALLS.contains(&word.text));
-        if !self.brackets.is_empty() && call.is_some_and(|word| word.text == "touching") {
+        if !self.brackets.is_empty() && self.call == "touching" {
             self.classes.insert(text, "#tag");
             return "#tag";
         }
         UNKNOWN
-    }
-
-    /// Whether the statement has a word.
-    fn has(&self, text: &str) -> bool {
-        self.statement().iter().any(|word| word.text == text)
     }
 
     /// Tells discrete variables by their types, and finds the open calls.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::names::share_stem;
 use super::{Candidate, Evidence, Take, yes};
-use crate::lsp::features::completion_order::reading::{Reading, Word, ends_statement};
+use crate::lsp::features::completion_order::reading::{Reading, Word, ends_statement, nearby};
 
 /// An assignment on an edge.
 pub(super) struct Update<'t> {
@@ -128,7 +128,7 @@ impl<'t> Evidence<'t> {
             let negates = reading.word(last + 2).text == item.label;
             let end = open.statements.iter().find(|at| *at > last).copied().unwrap_or(reading.start);
             let guard = reading.words.get(*last..end).unwrap_or_default();
-            let guard = guard.split(|word| matches!(word.text, "->" | "{")).next().unwrap_or_default();
+            let guard = nearby(guard.split(|word| matches!(word.text, "->" | "{")).next().unwrap_or_default());
             let has = guard.iter().any(|word| word.text == item.label);
             let joins = guard.iter().any(|word| word.text == "and");
             let stays = reading.edges.last().is_none_or(|edge| edge.guard.start != *last);
@@ -152,7 +152,7 @@ impl<'t> Evidence<'t> {
         let class = reading.class(name).unwrap_or_default();
         let last = self.updates.iter().rev().skip(1).find(|other| other.assigned == name).map(|other| other.value);
         let edge = reading.open.last().filter(|open| open.block == "when");
-        let head = edge.and_then(|edge| reading.words.get(edge.head..edge.brace)).unwrap_or_default();
+        let head = edge.and_then(|edge| reading.words.get(edge.head..edge.brace)).map_or(&[][..], nearby);
         let asked = head.iter().position(|word| word.text == name);
         let is_asked = match asked {
             None => "no",

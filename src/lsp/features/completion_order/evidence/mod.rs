@@ -8,7 +8,7 @@ mod names;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::matches::Followers;
-use super::reading::{Reading, UNKNOWN};
+use super::reading::{Reading, UNKNOWN, nearby};
 use edges::{Update, updates};
 use names::role;
 
@@ -164,7 +164,7 @@ impl<'t> Evidence<'t> {
                 _ => {}
             }
         } else if !reading.statement().is_empty() {
-            let has = reading.statement().iter().any(|word| word.text == item.label);
+            let has = nearby(reading.statement()).iter().any(|word| word.text == item.label);
             take(&["word again", yes(has), item.class], 1.0);
             for kind in ["#button", "#axis", "#signal", "#condition", "#chance", "#ref", "#set", "#int", "#bool"] {
                 let has = match (self.counts.get(kind), self.first_unused.contains_key(kind)) {
@@ -212,7 +212,7 @@ impl<'t> Evidence<'t> {
         let assigned = statements.iter().any(|at| reading.word(*at).text == item.label);
         take(&["assigned", block, yes(assigned), yes(matches!(item.class, "x" | "y"))], 1.0);
         if let Some(edge) = reading.open.last().filter(|open| open.block == "when") {
-            let head = reading.words.get(edge.head..edge.brace).unwrap_or_default();
+            let head = nearby(reading.words.get(edge.head..edge.brace).unwrap_or_default());
             take(&["guard has", yes(head.iter().any(|word| word.text == item.label)), item.class], 1.0);
             take(&["edge leads", yes(head.iter().any(|word| word.text == "->")), item.class], 1.0);
         }

@@ -2,7 +2,7 @@
 
 use super::{Candidate, Evidence, Take, digit, is_variable, logarithm, yes};
 use crate::lsp::features::completion_order::dimension::hint;
-use crate::lsp::features::completion_order::reading::{Reading, Word, ends_statement};
+use crate::lsp::features::completion_order::reading::{NEARBY, Reading, Word, ends_statement, nearby};
 
 /// What is written after the last words.
 pub(super) fn role(reading: &Reading<'_>) -> &'static str {
@@ -89,15 +89,16 @@ impl Evidence<'_> {
         let block = innermost.map_or("", |open| open.block);
         let is_same = |word: &Word<'_>| word.text == item.label;
         let shares = |words: &[Word<'_>]| words.iter().any(|word| !is_same(word) && share_stem(item.label, word.text));
-        let statement = reading.statement();
-        if let Some(first) = statement.first() {
+        let statement = nearby(reading.statement());
+        if let Some(first) = reading.statement().first() {
             take(&["statement has", yes(statement.iter().any(is_same)), class], 1.0);
             if is_same(first) && statement.iter().any(|word| matches!(word.text, "=" | ":=")) {
                 take(&["assigned itself", reading.before(1).class], 1.0);
             }
             let head = |at: usize| (reading.word(at).text, reading.word(at + 1).text);
             let similar = at.iter().rev().take(6).any(|at| {
-                let start = (0..*at).rev().find(|at| ends_statement(reading.word(*at).text)).map_or(0, |at| at + 1);
+                let mut earlier = (at.saturating_sub(NEARBY)..*at).rev();
+                let start = earlier.find(|at| ends_statement(reading.word(*at).text)).map_or(0, |at| at + 1);
                 head(start) == head(reading.start)
             });
             take(&["statement alike", yes(similar), class, yes(is_variable(first.class))], 1.0);
@@ -113,7 +114,7 @@ impl Evidence<'_> {
                 }
             }
         }
-        let head = innermost.and_then(|open| reading.words.get(open.head..reading.start)).unwrap_or_default();
+        let head = innermost.and_then(|open| reading.words.get(open.head..reading.start)).map_or(&[][..], nearby);
         if block == "when" && !statement.is_empty() {
             take(&["edge has", yes(head.iter().any(is_same)), class], 1.0);
             if shares(head) {
@@ -127,7 +128,7 @@ impl Evidence<'_> {
             if share_stem(item.label, reading.before(1).text) {
                 take(&["stem in ramp"], 1.0);
             }
-            let inside = reading.words.get(open.head..).unwrap_or_default();
+            let inside = nearby(reading.words.get(open.head..).unwrap_or_default());
             let is_param = |word: &&Word<'_>| word.class == "#param" && !is_same(word);
             if inside.iter().filter(is_param).any(|word| share_stem(item.label, word.text)) {
                 take(&["stem in envelope"], 1.0);

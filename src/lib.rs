@@ -47,12 +47,12 @@
 //! [`format`]: mod@format
 
 pub mod analysis;
-#[cfg(any(feature = "cli", feature = "lsp"))]
+#[cfg(any(feature = "ask", feature = "lsp"))]
 pub mod ask;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod compile;
-#[cfg(any(feature = "cli", feature = "lsp"))]
+#[cfg(any(feature = "ask", feature = "lsp"))]
 pub mod corpus;
 pub mod diagnostic;
 #[cfg(feature = "cli")]
@@ -78,7 +78,7 @@ pub mod studio;
 pub mod suite;
 pub mod syntax;
 pub mod tabular;
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 pub mod tune;
 pub mod view;
 pub mod watch;

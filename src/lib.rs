@@ -27,6 +27,7 @@
 //! | [`ir`] | the flat tables that all back ends share, and the layout of a state |
 //! | [`analysis`] | abstract interpretation of the flat tables: the reachable values, and findings from them |
 //! | [`sim`] | one step of time, input scripts, traces |
+//! | [`batch`] | many runs of one world, stepped together: inputs and observations as arrays of numbers |
 //! | [`compile`] | the driver of the stages above |
 //! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`reach`] | reachability queries: proofs, planners over the simulator, replay |
@@ -49,6 +50,7 @@
 pub mod analysis;
 #[cfg(any(feature = "ask", feature = "lsp"))]
 pub mod ask;
+pub mod batch;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod compile;

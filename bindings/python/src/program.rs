@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use hypedc::ask;
 use hypedc::ask::{Loaded, find_world, open_world, program_sha256};
 use hypedc::compile::{Asked, Changes, Compilation, ExtraConstraint, ExtraQuestion, LevelFile, NumberSetting};
 use hypedc::compile::{check_with, compile_changed, question_name};
@@ -53,8 +54,8 @@ pub(crate) struct Questions {
 
 /// The origin of `never`s that are questions, in findings.
 pub(crate) const NEVERS: &str = "<nevers>";
-/// The name of the `never` of [`Questions::without`], and its origin in findings.
-pub(crate) const WITHOUT: &str = "<without>";
+/// The origin of [`Questions::without`] in findings.
+const WITHOUT: &str = "<without>";
 
 impl Recipe {
     /// The same with another level.
@@ -84,7 +85,7 @@ impl Recipe {
         let questions: Vec<ExtraQuestion<'_>> =
             all.iter().map(|(asked, origin, text)| ExtraQuestion { asked: *asked, world, text, origin }).collect();
         let constraint =
-            without.as_deref().map(|predicate| ExtraConstraint { world, name: WITHOUT, predicate, origin: WITHOUT });
+            without.as_deref().map(|predicate| ExtraConstraint { world, name: ask::WITHOUT, predicate, origin: WITHOUT });
         let numbers: Vec<NumberSetting<'_>> =
             self.numbers.iter().map(|(path, value)| NumberSetting { path, value }).collect();
         compile_changed(&self.root, level, &Changes { questions: &questions, constraint, numbers: &numbers }, &files)

@@ -77,11 +77,11 @@ def compile(
 
     Raises ``CompileError`` if the program has errors.
 
-    >>> program = compile("entity Ball { y' = 60 } world Sky { space main { place ball: Ball at (0, 0) } }")
+    >>> program = compile("entity Ball { y' = 60 }; world Sky { space main { place ball: Ball at (0, 0) } }")
     >>> program.worlds
     ['Sky']
     >>> try:
-    ...     compile("entity Ball { mode fly { y' = 60 } world Sky { }")
+    ...     compile("entity Ball { y' = fast }")
     ... except CompileError as error:
     ...     print(error.diagnostics[0].severity, error.diagnostics[0].line)
     error 1
@@ -193,10 +193,7 @@ def reach(
     ``KeyboardInterrupt`` stops the search, which returns what it has; ``interrupted`` is set then. ``progress`` is called
     with nodes, their limit and places covered, about twenty times a second; True shows a bar if ``tqdm`` is installed.
 
-    >>> from hyped import compile
-    >>> program = compile('''
-    ... entity Ball { button up  x' = 60  mode fly { y' = 30 when not held(up) -> fall } mode fall { y' = -30 when held(up) -> fly } }
-    ... world Sky { space main { place ball: Ball at (0, 0) } player 1: ball  goal high: ball.y > 20 }''')
+    >>> program = compile(TEXT)
     >>> answer = reach(program)["high"]
     >>> answer.verdict, answer.witness.simulator()["ball.y"] > 20
     ('reached', True)

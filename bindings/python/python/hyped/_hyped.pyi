@@ -7,6 +7,23 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "Batch",
+    "Event",
+    "Planes",
+    "Program",
+    "Simulator",
+    "VERSION",
+    "Variables",
+    "World",
+    "_compile",
+    "_question_name",
+    "_reach",
+    "_rebuilt",
+    "_resumed",
+    "_trace",
+    "_why",
+]
 VERSION: str
 """The version of the library."""
 
@@ -111,6 +128,7 @@ class Event:
     def what(self) -> str | None:
         """The mode an edge leads to, the space, the tag that is touched, the place of a tile, the goal or the ``never``."""
 
+@final
 class Simulator:
     """A running world.
 
@@ -183,6 +201,8 @@ class Simulator:
         """Puts a saved state in place: also of the same world with other numbers."""
     def copy(self) -> Simulator:
         """A run of its own that goes on from here."""
+    def __copy__(self) -> Simulator: ...
+    def __deepcopy__(self, _memo: Any, /) -> Simulator: ...
     def hash(self) -> int:
         """A hash of the state, the same on every machine: FNV-1a of 64 bits over its bytes."""
     def state(self) -> bytes:
@@ -242,6 +262,7 @@ class Planes:
     def player(self) -> int | None:
         """The player in the middle; None: the first one."""
 
+@final
 class Batch:
     """``n`` runs of a world in one block of memory, stepped together on ``threads`` threads: all cores by default.
 

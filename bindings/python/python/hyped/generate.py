@@ -166,7 +166,8 @@ def evaluate(
     else:
         kept = {} if cache is None else cache
     recipe, version = program._recipe(), f"{VERSION} {_hyped.VERSION}"
-    keys, tasks = [], {}
+    keys: list[str] = []
+    tasks: dict[str, str] = {}
     for level in levels:
         path, text = level_file(level)
         if text is None:

@@ -1,0 +1,144 @@
+"""Proximal policy optimization (Schulman and others 2017) in one file, after the form of CleanRL: an agent learns to reach a
+goal, and its way is compared with that of a planner.
+
+    pip install 'hyped[torch]'
+    python bindings/python/examples/ppo.py [FRAMES]
+
+The world is that of examples/balloon.hyped: the balloon drifts to the right, and must be heated over a rock. The reward is
+the progress along x, and 1 at the goal.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import numpy as np
+import torch
+from torch import nn
+from torch.distributions import Categorical
+
+import hyped
+from hyped.env import LevelVectorEnv
+
+FILE, GOAL = "examples/balloon.hyped", "over"
+OBSERVE = ["balloon.x", "balloon.y", "balloon.y'", "balloon.mode"]
+SCALE = np.array([256.0, 256.0, 100.0, 1.0], np.float32)
+ENVS, STEPS, EPOCHS, MINIBATCHES = 64, 128, 4, 4
+GAMMA, LAMBDA, CLIP, ENTROPY, RATE = 0.99, 0.95, 0.2, 0.01, 1e-3
+REPEAT = 4
+"""Number of steps of the world for each action: nobody decides sixty times a second."""
+
+
+class Agent(nn.Module):
+    """A policy and a value over a few numbers."""
+
+    def __init__(self, inputs: int, actions: int) -> None:
+        super().__init__()
+        self.body = nn.Sequential(nn.Linear(inputs, 64), nn.Tanh(), nn.Linear(64, 64), nn.Tanh())
+        self.policy, self.value = nn.Linear(64, actions), nn.Linear(64, 1)
+
+    def forward(self, seen: torch.Tensor) -> tuple[Categorical, torch.Tensor]:
+        hidden = self.body(seen)
+        return Categorical(logits=self.policy(hidden)), self.value(hidden).squeeze(-1)
+
+
+def repeated(envs: LevelVectorEnv, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """The same actions for some steps; rewards are added up until a run ends."""
+    total, over, reached = np.zeros(ENVS), np.zeros(ENVS, bool), 0
+    for _ in range(REPEAT):
+        seen, rewards, terminated, truncated, _ = envs.step(actions)
+        total += np.where(over, 0.0, rewards)
+        reached += int(((envs.runs.status == hyped.GOAL) & ~over).sum())
+        over |= terminated | truncated
+    return seen / SCALE, total, over, reached
+
+
+def train(frames: int, seed: int = 1) -> tuple[Agent, float]:
+    """Trains for a number of frames; returns the agent and the share of the last episodes that reached the goal."""
+    torch.manual_seed(seed)
+    torch.set_num_threads(1)
+    envs = LevelVectorEnv(
+        ENVS,
+        FILE,
+        GOAL,
+        within=600,
+        observe=OBSERVE,
+        actions="discrete",
+        reward={"goal": 1.0, "progress": 0.01, "of": "balloon.x"},
+    )
+    agent = Agent(len(OBSERVE), int(envs.single_action_space.n))
+    optimizer = torch.optim.Adam(agent.parameters(), lr=RATE, eps=1e-5)
+    seen = envs.reset(seed=seed)[0] / SCALE
+    share, began = 0.0, time.perf_counter()
+    updates = max(1, frames // (ENVS * STEPS * REPEAT))
+    for update in range(updates):
+        observations, actions, logs, values, rewards, overs = [], [], [], [], [], []
+        ended = reached = 0
+        for _ in range(STEPS):
+            with torch.no_grad():
+                policy, value = agent(torch.as_tensor(seen))
+                action = policy.sample()
+            observations.append(seen)
+            actions.append(action.numpy())
+            logs.append(policy.log_prob(action).numpy())
+            values.append(value.numpy())
+            seen, reward, over, goals = repeated(envs, action.numpy())
+            rewards.append(reward)
+            overs.append(over)
+            ended, reached = ended + int(over.sum()), reached + goals
+        with torch.no_grad():
+            last = agent(torch.as_tensor(seen))[1].numpy()
+        # Generalized advantage estimation (Schulman and others 2016).
+        advantages, running = np.zeros((STEPS, ENVS), np.float32), np.zeros(ENVS)
+        for step in reversed(range(STEPS)):
+            following = last if step == STEPS - 1 else values[step + 1]
+            goes_on = 1.0 - overs[step]
+            delta = rewards[step] + GAMMA * goes_on * following - values[step]
+            running = delta + GAMMA * LAMBDA * goes_on * running
+            advantages[step] = running
+        flat = [torch.as_tensor(np.concatenate(of)) for of in (observations, actions, logs)]
+        targets = torch.as_tensor((advantages + np.stack(values)).reshape(-1), dtype=torch.float32)
+        gains = torch.as_tensor(advantages.reshape(-1))
+        for _ in range(EPOCHS):
+            for rows in torch.randperm(len(gains)).chunk(MINIBATCHES):
+                policy, value = agent(flat[0][rows])
+                ratio = (policy.log_prob(flat[1][rows]) - flat[2][rows]).exp()
+                gain = (gains[rows] - gains[rows].mean()) / (gains[rows].std() + 1e-8)
+                surrogate = torch.minimum(ratio * gain, ratio.clamp(1 - CLIP, 1 + CLIP) * gain).mean()
+                loss = -surrogate + 0.5 * (value - targets[rows]).pow(2).mean() - ENTROPY * policy.entropy().mean()
+                optimizer.zero_grad()
+                loss.backward()
+                nn.utils.clip_grad_norm_(agent.parameters(), 0.5)
+                optimizer.step()
+        share = reached / max(1, ended)
+        if update % 5 == 0 or update == updates - 1:
+            done = (update + 1) * ENVS * STEPS * REPEAT
+            print(f"{done} frames, {done / (time.perf_counter() - began):.0f}/s: {share:.0%} of {ended} reached it", flush=True)
+    return agent, share
+
+
+def played(agent: Agent) -> hyped.Simulator:
+    """The way that the agent takes when it does what it thinks best."""
+    run = hyped.Simulator(hyped.compile(FILE))
+    while not run.goals and run.steps < 600 and run.left is None:
+        seen = np.array([run["balloon.x"], run["balloon.y"], run["balloon.y'"], run["balloon in sinking"]], np.float32)
+        with torch.no_grad():
+            heat = int(agent(torch.as_tensor(seen / SCALE))[0].logits.argmax())
+        for _ in range(REPEAT):
+            run.step({"heat": heat})
+            if run.goals:
+                break
+    return run
+
+
+def main() -> None:
+    agent, share = train(int(sys.argv[1]) if len(sys.argv) > 1 else 1_500_000)
+    run = played(agent)
+    answer = hyped.reach(hyped.compile(FILE), GOAL)[GOAL]
+    print(f"the agent: {'reached' if run.goals else 'did not reach'} the goal in {run.steps} steps ({share:.0%} of episodes)")
+    print(f"the planner: {answer.verdict} in {answer.steps} steps, after {answer.seconds:.2f} s")
+
+
+if __name__ == "__main__":
+    main()

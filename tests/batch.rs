@@ -39,7 +39,7 @@ fn closed() -> Vec<(String, Arc<Program>, WorldId)> {
 fn views(sim: &Simulator) -> Vec<View> {
     let names: Vec<String> = sim.names().into_iter().take(30).collect();
     let planes = Planes::new(sim, &PlaneChoice { size: (7, 5), ..PlaneChoice::default() });
-    let variables = Variables::new(sim, &names).unwrap();
+    let variables = Variables::new(sim, &names).ok().unwrap();
     planes.into_iter().map(View::Planes).chain([View::Variables(variables)]).collect()
 }
 
@@ -167,7 +167,7 @@ fn planes_are_the_tiles_around_the_player() {
     let sim = Arc::new(Simulator::new(&program, WorldId(0)));
     let batch = Batch::new(Arc::clone(&sim), 1, 0, Rules::default()).unwrap();
     let choice = PlaneChoice { size: (5, 3), ..PlaneChoice::default() };
-    let view = View::Planes(Planes::new(&sim, &choice).unwrap());
+    let view = View::Planes(Planes::new(&sim, &choice).ok().unwrap());
     assert_eq!(view.shape(), [2, 3, 5]);
     let mut seen = vec![9_u8; view.len()];
     batch.observe(&view, &mut seen);

@@ -17,6 +17,8 @@ pub struct Planes {
     columns: usize,
     rows: usize,
     tags: Vec<TagId>,
+    /// The same as a set.
+    shown_tags: TagSet,
     /// For each entity of the program its plane among those of entities.
     entities: Vec<Option<usize>>,
     shown: usize,
@@ -93,6 +95,7 @@ impl Planes {
             player,
             columns: choice.size.0,
             rows: choice.size.1,
+            shown_tags: tags.iter().copied().collect(),
             tags,
             entities: program.entities.ids().map(place).collect(),
             shown: chosen.len(),
@@ -138,12 +141,20 @@ impl Planes {
     }
 
     fn tiles<T: Sample>(&self, sim: &Simulator, state: &[u8], grid: &Grid, corner: (i64, i64), out: &mut [T]) {
-        for y in 0..self.rows {
-            for x in 0..self.columns {
-                let Some(cell) = grid.index(corner.0 + x as i64, corner.1 + y as i64) else { continue };
-                let tags = grid.tags[cell];
-                let is_gone = || grid.breakable.get(cell).copied().flatten().is_some_and(|t| sim.is_broken(state, t));
-                if tags == TagSet::default() || is_gone() {
+        // What of the window is in the map; a map that repeats fills it.
+        let inside = |axis: usize, corner: i64, size: usize, cells: i64| match grid.repeats[axis] {
+            Some(_) => 0..size,
+            None => ((-corner).clamp(0, size as i64) as usize)..((cells - corner).clamp(0, size as i64) as usize),
+        };
+        for y in inside(1, corner.1, self.rows, grid.rows) {
+            let row = grid.wrapped(1, corner.1 + y as i64);
+            for x in inside(0, corner.0, self.columns, grid.columns) {
+                let cell = row * grid.columns as usize + grid.wrapped(0, corner.0 + x as i64);
+                let tags = grid.tags.get(cell).copied().unwrap_or_default();
+                if !tags.meets(self.shown_tags) {
+                    continue;
+                }
+                if grid.breakable.get(cell).copied().flatten().is_some_and(|tile| sim.is_broken(state, tile)) {
                     continue;
                 }
                 for (plane, tag) in self.tags.iter().enumerate() {
@@ -211,12 +222,9 @@ impl Grid {
         (along(x, self.cell.0), along(y, self.cell.1))
     }
 
-    /// The index of a cell in the map.
-    fn index(&self, column: i64, row: i64) -> Option<usize> {
-        let column = self.repeats[0].map_or(column, |period| column.rem_euclid(period));
-        let row = self.repeats[1].map_or(row, |period| row.rem_euclid(period));
-        let is_inside = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
-        is_inside.then(|| (row * self.columns + column) as usize)
+    /// The column or row of the map for one that may be beyond its end.
+    fn wrapped(&self, axis: usize, at: i64) -> usize {
+        self.repeats[axis].map_or(at, |period| at.rem_euclid(period)) as usize
     }
 
     /// Where in a window of a size something is, by the distance of its cell from the corner.

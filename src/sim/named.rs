@@ -102,7 +102,7 @@ impl Simulator {
         let param = || entity.param_named(part).map(|id| Named::Param(slot, id));
         let reference = || entity.ref_named(part).map(|id| Named::Reference(slot, id));
         discrete.or_else(param).or_else(reference).or_else(|| match part.split_once('.').unwrap_or((part, "")) {
-            ("mode", "") => entity.groups.find(|group| group.name.is_none()).map(|id| Named::Mode(slot, id)),
+            ("mode", "") => plain_group(entity).map(|id| Named::Mode(slot, id)),
             ("mode", of) => entity.groups.find(|g| g.name.as_deref() == Some(of)).map(|id| Named::Mode(slot, id)),
             ("timer", of) => {
                 let timer = entity.timers.find(|timer| entity.modes[timer.mode].path == of);
@@ -123,9 +123,10 @@ impl Simulator {
             let mut add = |part: &str| names.push(format!("{}.{part}", slot.name));
             add("alive");
             add("space");
-            for group in entity.groups.iter() {
-                add(&group.name.as_ref().map_or("mode".to_string(), |name| format!("mode.{name}")));
+            if plain_group(entity).is_some() {
+                add("mode");
             }
+            entity.groups.iter().filter_map(|group| group.name.as_ref()).for_each(|name| add(&format!("mode.{name}")));
             for var in entity.vars.ids() {
                 (0..=2).for_each(|degree| add(&entity.variable_text(var, degree)));
             }
@@ -300,6 +301,13 @@ impl Simulator {
         }
         Ok(slot)
     }
+}
+
+/// The group without a name: of several, the first that has more than one mode. What holds in all modes is in one, too.
+fn plain_group(entity: &Entity) -> Option<GroupId> {
+    let plain = || entity.groups.pairs().filter(|(_, group)| group.name.is_none());
+    let found = plain().find(|(_, group)| entity.leaves_of(group).len() > 1).or_else(|| plain().next());
+    found.map(|(id, _)| id)
 }
 
 /// A mode by its path, or by its last part if no other mode ends in it.

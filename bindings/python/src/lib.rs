@@ -14,6 +14,7 @@ mod questions;
 mod search;
 mod simulator;
 mod trace;
+mod tuning;
 mod watched;
 mod world;
 
@@ -32,13 +33,15 @@ mod _hyped {
     #[pymodule_export]
     use super::program::{Program, compile, named, rebuilt};
     #[pymodule_export]
-    use super::questions::why;
+    use super::questions::{bounds, stuck, why};
     #[pymodule_export]
     use super::search::reach;
     #[pymodule_export]
     use super::simulator::{Simulator, resumed};
     #[pymodule_export]
     use super::trace::trace;
+    #[pymodule_export]
+    use super::tuning::tune;
     #[pymodule_export]
     use super::world::World;
 }

@@ -84,8 +84,12 @@ impl Recipe {
             .collect();
         let questions: Vec<ExtraQuestion<'_>> =
             all.iter().map(|(asked, origin, text)| ExtraQuestion { asked: *asked, world, text, origin }).collect();
-        let constraint =
-            without.as_deref().map(|predicate| ExtraConstraint { world, name: ask::WITHOUT, predicate, origin: WITHOUT });
+        let constraint = without.as_deref().map(|predicate| ExtraConstraint {
+            world,
+            name: ask::WITHOUT,
+            predicate,
+            origin: WITHOUT,
+        });
         let numbers: Vec<NumberSetting<'_>> =
             self.numbers.iter().map(|(path, value)| NumberSetting { path, value }).collect();
         compile_changed(&self.root, level, &Changes { questions: &questions, constraint, numbers: &numbers }, &files)
@@ -197,6 +201,12 @@ impl Program {
         Program::new(py, self.recipe.with_level(level, text))
     }
 
+    /// The same program with further numbers set.
+    fn _with_numbers(&self, py: Python<'_>, numbers: Vec<(String, String)>) -> PyResult<Program> {
+        let numbers = self.recipe.numbers.iter().cloned().chain(numbers).collect();
+        Program::new(py, Recipe { numbers, ..(*self.recipe).clone() })
+    }
+
     /// The recipe, for `_rebuilt`.
     fn _recipe(&self) -> PyResult<String> {
         serde_json::to_string(&*self.recipe).map_err(|error| argument(error.to_string()))
@@ -249,10 +259,13 @@ pub fn compile(
 pub fn rebuilt(py: Python<'_>, recipe: &str, level: Option<PathBuf>, text: Option<String>) -> PyResult<Program> {
     let recipe: Recipe =
         serde_json::from_str(recipe).map_err(|error| argument(format!("not a pickled program: {error}")))?;
-    Program::new(py, match level {
-        Some(level) => recipe.with_level(level, text),
-        None => recipe,
-    })
+    Program::new(
+        py,
+        match level {
+            Some(level) => recipe.with_level(level, text),
+            None => recipe,
+        },
+    )
 }
 
 /// The name under which a question is asked: a name as it is, a predicate on one line.

@@ -81,7 +81,7 @@ METHODS = {
     hyped.Planes: ["tags", "rows", "__reduce__"],
 }  # fmt: skip
 FUNCTIONS = [hyped.compile, hyped.Simulator, hyped.Batch, hyped.Variables, hyped.Planes, hyped.with_level, hyped.trace,
-             _hyped._compile, _hyped._rebuilt, _hyped._resumed, _hyped._reach, _hyped._why, _hyped._trace, hyped.why,
+             _hyped._compile, _hyped._rebuilt, _hyped._stuck, _hyped._bounds, _hyped._tune, _hyped._resumed, _hyped._reach, _hyped._why, _hyped._trace, hyped.why,
              hyped.reach, hyped.World, hyped.Program, hyped.Event]  # fmt: skip
 KEYWORDS = ["observe", "goals", "nevers", "within", "seed", "threads", "world", "level", "tile", "params", "planner", "status",
             "reset", "observations", "count", "steps", "rows", "chance", "nodes"]  # fmt: skip

@@ -159,3 +159,42 @@ def test_why() -> None:
     assert never.nearly is not None and never.nearly["entered"] is None
     with pytest.raises(hyped.QuestionError, match="fly"):
         hyped.why(program, "-*20", mode="flyy")
+
+
+def test_stuck_is_that_of_the_command_line(hypedc: str) -> None:
+    found = hyped.stuck(hyped.compile("examples/sokoban.hyped"), world="First")
+    command = [hypedc, "stuck", "examples/sokoban.hyped", "--world", "First", "--format", "json"]
+    shown = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert plain(found.record) == plain(json.loads(shown.stdout))
+    assert found.verdict == "stuck" and found.ways and not found.interrupted
+    assert found.ways[0].simulator().steps == found.ways[0].steps
+    with pytest.raises(hyped.QuestionError):
+        hyped.stuck(hyped.compile(BALL), "nowhere")
+
+
+def test_bounds_are_those_of_the_command_line(hypedc: str) -> None:
+    found = hyped.bounds(hyped.compile("examples/mario.hyped"))
+    shown = subprocess.run(
+        [hypedc, "bounds", "examples/mario.hyped", "--format", "json"], capture_output=True, text=True, check=False
+    )
+    assert plain(found.record) == plain(json.loads(shown.stdout))
+    low, high = found.interval("hero.x'")
+    assert low < 0 < high
+    with pytest.raises(KeyError):
+        found.interval("hero.z")
+
+
+def test_tuning() -> None:
+    text = BALL.replace("x' = 60", "param pace = 10\n    x' = pace").replace("goal far: ball.x > 200", "goal far: ball.x > 200 and ball.y > 30")
+    program = hyped.compile(text)
+    found = hyped.tune(program, {"Ball.pace": (10, 100)}, within=300, nodes=4000)
+    assert found.change is not None and 40 <= found.change["Ball.pace"] <= 45 and not found.is_wanted_already
+    assert found.witness is not None and found.witness.simulator().goals == ["far"]
+    assert found.values.shape == (len(found.verdicts), 1) and "reached" in found.verdicts
+    fast = hyped.compile(text, params={"Ball.pace": 60})
+    assert hyped.tune(fast, {"Ball.pace": (10, 100)}, within=300, nodes=4000).is_wanted_already
+    kept = hyped.tune(fast, {"Ball.pace": (10, 100)}, prevent=True, within=300, nodes=4000)
+    assert kept.change is not None and 38 < kept.change["Ball.pace"] < 41
+    for wrong in ({}, {"Ball.pac": (1, 2)}, {"Ball.pace": (2, 1)}, {"Ball.pace": 3}, {"Ball.pace": ("a", "b")}):
+        with pytest.raises(hyped.QuestionError):
+            hyped.tune(program, wrong)

@@ -1,4 +1,4 @@
-"""The functions of the package: compile, check, reach, why."""
+"""The functions of the package: compile, check, reach, why, stuck, bounds, tune."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from hyped import _hyped
 from hyped._errors import Diagnostic, QuestionError, diagnostics
-from hyped._results import Reached, Why, answers
+from hyped._results import Bounds, Reached, Stuck, Tuned, Why, Witness, answers
 
 Source = Union[str, "os.PathLike[str]"]
 """A path, or a text: a ``str`` with a line break or a brace in it is a text."""
@@ -220,12 +220,7 @@ def reach(
         "trials": trials,
         "svg": svg,
     }
-    try:
-        question = json.dumps(asked, allow_nan=False)
-    except (TypeError, ValueError) as error:
-        raise QuestionError(f"not a question: {error}") from None
-    tell = _teller(progress)
-    found, pictures, interrupted = _hyped._reach(program, question, tell)
+    found, pictures, interrupted = _hyped._reach(program, _question(asked), _teller(progress))
     return answers(program, json.loads(found), pictures, interrupted, chance)
 
 
@@ -248,3 +243,121 @@ def why(
     """
     found = json.loads(_hyped._why(program, inputs, world, instance, mode, edge, never, at, chance))
     return Why(found["world"], found["why"], found["nearly"])
+
+
+def _question(asked: dict[str, Any]) -> str:
+    try:
+        return json.dumps(asked, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise QuestionError(f"not a question: {error}") from None
+
+
+def stuck(
+    program: _hyped.Program,
+    goal: str | None = None,
+    *,
+    world: str | None = None,
+    states: int = 300_000,
+    nodes: int = 400_000,
+    seconds: float | None = None,
+    memory: int = 2 << 30,
+    seed: int = 1,
+    progress: Progress = None,
+) -> Stuck:
+    """Looks for places from which a goal cannot be reached any more: as ``hypedc stuck``.
+
+    It is proven where all states can be visited, at most ``states``; elsewhere places are candidates, from which a search
+    of ``nodes`` did not arrive. ``memory`` is in bytes. ``KeyboardInterrupt`` stops it.
+    """
+    asked = {
+        "world": world,
+        "goal": goal,
+        "states": states,
+        "nodes": nodes,
+        "seconds": None if seconds is None else float(seconds),
+        "memory": memory,
+        "seed": seed,
+    }
+    found, interrupted = _hyped._stuck(program, _question(asked), _teller(progress))
+    record = json.loads(found)
+    ways = tuple(Witness(program, record["world"], of["inputs"], of["steps"]) for of in record["ways"])
+    return Stuck(record["verdict"], ways, record["places"], interrupted, record)
+
+
+def bounds(program: _hyped.Program, *, world: str | None = None) -> Bounds:
+    """The values that each part of a world can have, in whatever run: as ``hypedc bounds``.
+
+    >>> found = bounds(compile(TEXT))
+    >>> found.interval("ball.y'"), found.impossible
+    ((-30.0, 30.0), {})
+    """
+    record = json.loads(_hyped._bounds(program, world))
+    proven = {of["goal"]: of["argument"] for of in record["goals"] if of["argument"] is not None}
+    return Bounds(record["world"], proven, record)
+
+
+def tune(
+    program: _hyped.Program,
+    vary: Mapping[str, tuple[float, float] | tuple[float, float, float]],
+    goal: str | None = None,
+    *,
+    world: str | None = None,
+    prevent: bool = False,
+    nevers: str | Sequence[str] | None = None,
+    within: int | None = None,
+    min_hold: int | None = None,
+    samples: int = 8,
+    nodes: int = 50_000,
+    seconds: float | None = None,
+    memory: int = 2 << 30,
+    seed: int = 1,
+    chance: int | None = None,
+    progress: Progress = None,
+) -> Tuned:
+    """Finds the smallest change of numbers with which a goal is reached, or with ``prevent`` cannot be: as ``hypedc tune``.
+
+    ``vary`` gives up to four numbers with their ranges, and perhaps the step between two values:
+    ``{"Hero.jump_speed": (100, 400), "Door.locks": (1, 5, 1)}``. ``nevers`` must not be broken. ``nodes``, ``seconds`` and
+    ``memory`` (bytes) limit the search at each value.
+    """
+    numbers = []
+    for name, of in dict(vary).items():
+        if not isinstance(of, (tuple, list)) or len(of) not in (2, 3):
+            raise QuestionError(f"`vary`: {name!r} has a range such as (100, 400), or (1, 5, 1) with a step, not {of!r}")
+        numbers.append((name, (of[0], of[1]), of[2] if len(of) == 3 else None))
+    asked = {
+        "vary": numbers,
+        "goal": goal,
+        "world": world,
+        "prevent": prevent,
+        "nevers": _names("nevers", nevers),
+        "within": within,
+        "min_hold": min_hold,
+        "samples": samples,
+        "nodes": nodes,
+        "seconds": None if seconds is None else float(seconds),
+        "memory": memory,
+        "seed": seed,
+        "chance": chance,
+    }
+    record = json.loads(_hyped._tune(program, _question(asked), _teller(progress)))
+    trials, change, names = record["trials"], record["change"], [axis["name"] for axis in record["axes"]]
+    found, way = None, None
+    if change is not None:
+        trial = trials[change["trial"]]
+        pairs = zip(names, trial["values"], record["axes"])
+        found = {name: value for name, value, axis in pairs if value != axis["base"]}
+        if trial["inputs"] is not None:
+            changed = program._with_numbers([(name, repr(value)) for name, value in found.items()])
+            name = changed.world(world).name
+            way = Witness(changed, name, trial["inputs"], trial["steps"], chance)
+    return Tuned(
+        change=found,
+        is_wanted_already=record["is_wanted_already"],
+        is_proven_smallest=change is not None and change["is_proven_smallest"],
+        witness=way,
+        values=np.array([of["values"] for of in trials], np.float64).reshape(len(trials), len(names)),
+        verdicts=tuple(of["verdict"] for of in trials),
+        interrupted=record["is_stopped"],
+        record=record,
+    )

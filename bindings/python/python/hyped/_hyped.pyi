@@ -16,12 +16,15 @@ __all__ = [
     "VERSION",
     "Variables",
     "World",
+    "_bounds",
     "_compile",
     "_question_name",
     "_reach",
     "_rebuilt",
     "_resumed",
+    "_stuck",
     "_trace",
+    "_tune",
     "_why",
 ]
 VERSION: str
@@ -60,6 +63,7 @@ class Program:
     def world(self, name: str | None = None) -> World:
         """A world by name, or the only one."""
     def _with_level(self, level: str | PathLike[str], text: str | None = None) -> Program: ...
+    def _with_numbers(self, numbers: Sequence[tuple[str, str]]) -> Program: ...
     def _recipe(self) -> str: ...
     def _asking(
         self, goals: list[str], nevers: list[str], without: str | None = None, world: str | None = None
@@ -365,6 +369,11 @@ def _resumed(program: Program, world: str, seed: int, state: bytes, steps: int) 
 def _reach(
     program: Program, asked: str, progress: Callable[[int, int, int], Any] | None = None
 ) -> tuple[str, list[str], bool]: ...
+def _stuck(
+    program: Program, asked: str, progress: Callable[[int, int, int], Any] | None = None
+) -> tuple[str, bool]: ...
+def _bounds(program: Program, world: str | None = None) -> str: ...
+def _tune(program: Program, asked: str, progress: Callable[[int, int, int], Any] | None = None) -> str: ...
 def _why(
     program: Program,
     inputs: str,

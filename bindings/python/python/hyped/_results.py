@@ -198,3 +198,68 @@ class Why:
     world: str
     step: dict[str, Any] | None
     nearly: dict[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """Where a player gets stuck; ``docs/formats/stuck.md`` explains the fields of ``record``."""
+
+    verdict: str
+    """``none``, ``stuck``, ``candidates``, ``none-found``, ``unreachable`` or ``unknown``."""
+    ways: tuple[Witness, ...] = field(repr=False)
+    """The ways into stuck places, at most 100."""
+    places: int
+    interrupted: bool
+    record: dict[str, Any] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What each part of a world can be; ``docs/formats/bounds.md`` explains the fields of ``record``."""
+
+    world: str
+    impossible: dict[str, str]
+    """The goals that are proven unreachable, each with the reason."""
+    record: dict[str, Any] = field(repr=False)
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """The least and the greatest value of a variable such as ``hero.x`` or ``hero.x'``, in whatever mode."""
+        instance, _, part = name.partition(".")
+        plain = part.rstrip("'")
+        degree = ("value", "velocity", "acceleration")[min(2, len(part) - len(plain))]
+        for slot in self.record["slots"]:
+            if slot["slot"] != instance:
+                continue
+            if slot["combinations"] is None:
+                return (float("-inf"), float("inf"))
+            ends = [
+                end
+                for combination in slot["combinations"]
+                for variable in combination["variables"]
+                if variable["name"] == plain
+                for end in variable[degree]
+            ]
+            if ends:
+                lows = [float("-inf") if low is None else low for low, _ in ends]
+                highs = [float("inf") if high is None else high for _, high in ends]
+                return (min(lows), max(highs))
+        raise KeyError(f"no variable {name!r}")
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The smallest change of numbers that turns an answer; ``docs/formats/tune.md`` explains the fields of ``record``."""
+
+    change: dict[str, float] | None
+    """What to set; None if no change was found, or if none is needed."""
+    is_wanted_already: bool
+    is_proven_smallest: bool
+    """Whether no smaller change of one number alone does it."""
+    witness: Witness | None = field(repr=False)
+    """The way to the goal with the change."""
+    values: npt.NDArray[np.float64] = field(repr=False)
+    """The values that were tried: shape (trials, numbers), in the units of the program."""
+    verdicts: tuple[str, ...] = field(repr=False)
+    """The verdict of each trial."""
+    interrupted: bool
+    record: dict[str, Any] = field(repr=False)

@@ -3,9 +3,9 @@
     pip install 'hyped[generate]'
     python bindings/python/examples/map_elites.py [GENERATIONS]
 
-Two climbers play each level, one of which can jump off rock. A level is good where the able one gets out and the other one
-does not, or needs longer; levels are told apart by the length of the way and by the share of rock. `ribs` keeps the best of
-each kind, and `hyped.generate.evaluate` judges each level once, on all cores.
+Two climbers play each level, one of which can jump off rock. A level is good where the able one gets out and the other
+one does not, or needs longer; levels are told apart by the length of the way and by the share of rock. `ribs` keeps the
+best of each kind, and `hyped.generate.evaluate` judges each level once, on all cores.
 """
 
 from __future__ import annotations
@@ -96,9 +96,8 @@ def evolve(generations: int, batch: int = 12, seed: int = 1) -> GridArchive:
         for generation in range(generations):
             solutions = scheduler.ask()
             levels = [level(genes) for genes in solutions]
-            options = {"executor": executor, "cache": kept, "nodes": NODES}
-            ours = evaluate(able, levels, "out", **options)
-            theirs = evaluate(other, levels, "out", **options)
+            ours = evaluate(able, levels, "out", executor=executor, cache=kept, nodes=NODES)
+            theirs = evaluate(other, levels, "out", executor=executor, cache=kept, nodes=NODES)
             objectives = [score(a["out"], b["out"]) for a, b in zip(ours, theirs)]
             rock = [sum(row.count("#") for row in rows[1:-1]) / size - 0.25 for rows in levels]
             measures = [[a["out"].steps or 0, share] for a, share in zip(ours, rock)]

@@ -15,6 +15,7 @@ mod search;
 mod simulator;
 mod trace;
 mod tuning;
+mod views;
 mod watched;
 mod world;
 
@@ -27,7 +28,7 @@ mod _hyped {
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 
     #[pymodule_export]
-    use super::batch::{Batch, Planes, Variables};
+    use super::batch::Batch;
     #[pymodule_export]
     use super::event::Event;
     #[pymodule_export]
@@ -42,6 +43,8 @@ mod _hyped {
     use super::trace::trace;
     #[pymodule_export]
     use super::tuning::tune;
+    #[pymodule_export]
+    use super::views::{Planes, Variables};
     #[pymodule_export]
     use super::world::World;
 }

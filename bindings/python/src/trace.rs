@@ -72,8 +72,8 @@ pub fn trace<'py>(
     })?;
     let sim = Simulator::new(&of.loaded.program, id);
     let players = sim.world().players.len();
-    let rows = if names.is_empty() { 0 } else { values.len() / names.len() };
-    let taken = if players * most == 0 { 0 } else { done.len() / (players * most) };
+    let rows = values.len().checked_div(names.len()).unwrap_or(0);
+    let taken = done.len().checked_div(players * most).unwrap_or(0);
     let values = PyArray1::from_vec(py, values).reshape([rows, names.len()])?;
     let done = PyArray1::from_vec(py, done).reshape([taken, players, most])?;
     Ok((values, done, words, end))

@@ -1,4 +1,4 @@
-"""Steps of batches per second, beside single steps: `python tests/measure.py [PROGRAM]`. Not a test: it looks at the clock."""
+"""Steps of batches per second, beside single steps: python tests/measure.py [PROGRAM]. Looks at the clock."""
 
 from __future__ import annotations
 
@@ -34,7 +34,11 @@ def main() -> None:
     player = program.world().players[0][1]
     names = [f"{player}.{part}" for part in ("x", "y", "x'", "y'", "mode")]
     names = [name for name in names if name in program.world().names]
-    for what, observe in (("no observation", None), (f"{len(names)} variables", hyped.Variables(names)), ("13 x 9 planes", hyped.Planes(13, 9))):
+    for what, observe in (
+        ("no observation", None),
+        (f"{len(names)} variables", hyped.Variables(names)),
+        ("13 x 9 planes", hyped.Planes(13, 9)),
+    ):
         for threads in (1, 2):
             batch = hyped.Batch(program, 1024, observe=observe, threads=threads)
             views = [np.zeros(shape, np.float32) for shape in batch.observation_shapes] or None

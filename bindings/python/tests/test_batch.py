@@ -8,9 +8,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from conftest import BALL
 
 import hyped
+from conftest import BALL
 
 WORLDS = ["examples/paper/test1.hyped", "examples/mario.hyped", "examples/asteroids.hyped", "examples/pong.hyped"]
 
@@ -179,7 +179,13 @@ def test_arrays_that_do_not_fit_are_refused() -> None:
 
 def test_impossible_batches_are_refused() -> None:
     program = hyped.compile(BALL)
-    for wrong in ({"n": 0}, {"n": 1 << 60}, {"n": 4, "threads": 0}, {"n": 4, "goals": ["fra"]}, {"n": 4, "nevers": ["x"]}):
+    for wrong in (
+        {"n": 0},
+        {"n": 1 << 60},
+        {"n": 4, "threads": 0},
+        {"n": 4, "goals": ["fra"]},
+        {"n": 4, "nevers": ["x"]},
+    ):
         with pytest.raises(hyped.QuestionError):
             hyped.Batch(program, **wrong)  # type: ignore[arg-type]
     for view in (hyped.Variables(["ball.q"]), hyped.Planes(3, 3, tags=["x"]), hyped.Planes(3, 3, player=2)):

@@ -8,9 +8,9 @@ import subprocess
 
 import numpy as np
 import pytest
-from conftest import BALL
 
 import hyped
+from conftest import BALL
 
 
 def test_a_path_and_its_text_are_the_same_program() -> None:
@@ -42,7 +42,9 @@ def test_errors_print_as_on_the_terminal(hypedc: str, tmp_path: object) -> None:
 
 
 def test_numbers_are_set() -> None:
-    slow, fast = (hyped.Simulator(hyped.compile("examples/balloon.hyped", params={"Balloon.drift": v})) for v in (20, 80))
+    slow, fast = (
+        hyped.Simulator(hyped.compile("examples/balloon.hyped", params={"Balloon.drift": v})) for v in (20, 80)
+    )
     slow.step(count=60)
     fast.step(count=60)
     assert slow["balloon.x"] == pytest.approx(20) and fast["balloon.x"] == pytest.approx(80)

@@ -31,7 +31,14 @@ def docstrings(name: str) -> list[doctest.DocTest]:
     parser, found = doctest.DocTestParser(), []
     for node in ast.walk(tree):
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node):
-            names = {"TEXT": TEXT, "hyped": hyped, "compile": hyped.compile, "reach": hyped.reach, "bounds": hyped.bounds, "CompileError": hyped.CompileError}
+            names = {
+                "TEXT": TEXT,
+                "hyped": hyped,
+                "compile": hyped.compile,
+                "reach": hyped.reach,
+                "bounds": hyped.bounds,
+                "CompileError": hyped.CompileError,
+            }
             where = f"{name} {getattr(node, 'name', '')}"
             found.append(parser.get_doctest(ast.get_docstring(node) or "", names, where, name, 0))
     return [test for test in found if test.examples]

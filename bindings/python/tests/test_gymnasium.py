@@ -9,11 +9,11 @@ import warnings
 import gymnasium
 import numpy as np
 import pytest
-from conftest import BALL
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import hyped
+from conftest import BALL
 from hyped.env import LevelEnv, LevelVectorEnv
 
 MARIO = "examples/mario.hyped"
@@ -24,7 +24,9 @@ MARIO = "examples/mario.hyped"
     "observe", [None, hyped.Planes(9, 9), {"tiles": hyped.Planes(5, 5), "self": hyped.Variables(["hero.x"])}]
 )
 def test_the_checker_of_gymnasium_passes(actions: str, observe: object) -> None:
-    env = gymnasium.make("hyped/Level-v0", file=MARIO, within=50, actions=actions, observe=observe, render_mode="rgb_array")
+    env = gymnasium.make(
+        "hyped/Level-v0", file=MARIO, within=50, actions=actions, observe=observe, render_mode="rgb_array"
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         # Positions have no bounds.
@@ -33,7 +35,9 @@ def test_the_checker_of_gymnasium_passes(actions: str, observe: object) -> None:
 
 
 def test_an_episode_ends_at_the_goal_and_by_a_never() -> None:
-    env = gymnasium.make("hyped/Level-v0", file=BALL, reward={"goal": 5.0, "end": -2.0, "step": -0.5}, actions="discrete")
+    env = gymnasium.make(
+        "hyped/Level-v0", file=BALL, reward={"goal": 5.0, "end": -2.0, "step": -0.5}, actions="discrete"
+    )
     for choose, expected in ((lambda y: int(y < 24), 4.5), (lambda y: 0, -2.5)):
         (_, y, *_), _ = env.reset(seed=3)
         total, terminated = 0.0, False
@@ -84,8 +88,12 @@ def test_pictures_and_windows() -> None:
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
 def test_the_vector_environment_is_that_of_gymnasium(mode: AutoresetMode) -> None:
-    options = dict(file=BALL, within=40, observe=["ball.x", "ball.y"], reward={"end": -1.0, "progress": 0.1, "of": "ball.x"})
-    native = gymnasium.make_vec("hyped/Level-v0", num_envs=37, vector_kwargs=None, autoreset_mode=mode, threads=2, **options)
+    options = dict(
+        file=BALL, within=40, observe=["ball.x", "ball.y"], reward={"end": -1.0, "progress": 0.1, "of": "ball.x"}
+    )
+    native = gymnasium.make_vec(
+        "hyped/Level-v0", num_envs=37, vector_kwargs=None, autoreset_mode=mode, threads=2, **options
+    )
     assert isinstance(native.unwrapped, LevelVectorEnv) and native.metadata["autoreset_mode"] == mode
     sync = gymnasium.make_vec(
         "hyped/Level-v0", num_envs=37, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode}, **options
@@ -122,7 +130,13 @@ def test_disabled_autoreset_waits_for_the_caller() -> None:
 
 
 def test_wrong_arguments() -> None:
-    for options in ({"actions": "some"}, {"player": 2}, {"observe": 3}, {"reward": {"progress": 1.0}}, {"goal": "ball.q > 1"}):
+    for options in (
+        {"actions": "some"},
+        {"player": 2},
+        {"observe": 3},
+        {"reward": {"progress": 1.0}},
+        {"goal": "ball.q > 1"},
+    ):
         with pytest.raises(hyped.HypedError):
             LevelEnv(BALL, **options)  # type: ignore[arg-type]
     env = LevelEnv(BALL, actions="discrete")

@@ -9,9 +9,9 @@ import warnings
 from typing import Any
 
 import numpy as np
-from conftest import BALL
 
 import hyped
+from conftest import BALL
 from hyped import _hyped
 
 CALLS = 1_000_000 if os.environ.get("HYPED_LONG") == "1" else 20_000
@@ -23,7 +23,9 @@ OPEN = "world W { tiles t 8 x 8 { '.': empty; '#': rock }; space s { map level t
 
 def arrays(rng: random.Random) -> Any:
     shape = tuple(rng.choice([0, 1, 2, 3, 5, 64]) for _ in range(rng.randint(0, 4)))
-    dtype = rng.choice([np.float32, np.float64, np.uint8, np.int8, np.bool_, np.int64, np.complex64, object, "U3", "V4"])
+    dtype = rng.choice(
+        [np.float32, np.float64, np.uint8, np.int8, np.bool_, np.int64, np.complex64, object, "U3", "V4"]
+    )
     array = np.zeros(shape, dtype)
     if array.dtype.kind == "f" and rng.random() < 0.5:
         array.fill(rng.choice([np.nan, np.inf, -np.inf, 1e300 if dtype == np.float64 else 1e30, -0.0, 1.0]))
@@ -43,11 +45,66 @@ def anything(rng: random.Random, things: list[Any]) -> Any:
     if pick < 0.45:
         return arrays(rng)
     return rng.choice(
-        [None, True, False, 0, 1, -1, 2, 3, 64, 1 << 31, 1 << 63, 1 << 64, -(1 << 70), 0.5, float("nan"), float("inf"), "",
-         "up", "up*3", "ball", "ball.x", "ball.x'", "ball.mode", "far", "low", "Sky", "ball.x > 3", "ball.x > 3 and", "'", "\0",
-         "é" * 50, "x" * 5000, "{" * 300, b"", b"hypedst1", b"\xff" * 40, [], [1], ["ball.x"], ["up", None], (), (1, 2), {},
-         {"up": 1}, {"up": "x"}, {1: 2}, {"nature:a.b": 1}, object(), BALL, OPEN, "\n", "#.\n..", int, print, 1j, range(3), set()]
-    )  # fmt: skip
+        [
+            None,
+            True,
+            False,
+            0,
+            1,
+            -1,
+            2,
+            3,
+            64,
+            1 << 31,
+            1 << 63,
+            1 << 64,
+            -(1 << 70),
+            0.5,
+            float("nan"),
+            float("inf"),
+            "",
+            "up",
+            "up*3",
+            "ball",
+            "ball.x",
+            "ball.x'",
+            "ball.mode",
+            "far",
+            "low",
+            "Sky",
+            "ball.x > 3",
+            "ball.x > 3 and",
+            "'",
+            "\0",
+            "é" * 50,
+            "x" * 5000,
+            "{" * 300,
+            b"",
+            b"hypedst1",
+            b"\xff" * 40,
+            [],
+            [1],
+            ["ball.x"],
+            ["up", None],
+            (),
+            (1, 2),
+            {},
+            {"up": 1},
+            {"up": "x"},
+            {1: 2},
+            {"nature:a.b": 1},
+            object(),
+            BALL,
+            OPEN,
+            "\n",
+            "#.\n..",
+            int,
+            print,
+            1j,
+            range(3),
+            set(),
+        ]
+    )
 
 
 def small(value: Any) -> Any:
@@ -72,19 +129,91 @@ def fresh(rng: random.Random, programs: list[Any]) -> Any:
 
 
 METHODS = {
-    hyped.Simulator: ["step", "step_with_events", "run", "reset", "restore", "save", "copy", "hash", "values", "modes",
-                      "__getitem__", "__setitem__", "trace_line", "picture_shape", "state", "__reduce__", "goals", "left", "seed"],
-    hyped.Batch: ["step", "observe", "reset", "why", "save", "restore", "simulator", "hash", "status", "steps", "seeds",
-                  "shape", "observation_shapes", "__len__"],
+    hyped.Simulator: [
+        "step",
+        "step_with_events",
+        "run",
+        "reset",
+        "restore",
+        "save",
+        "copy",
+        "hash",
+        "values",
+        "modes",
+        "__getitem__",
+        "__setitem__",
+        "trace_line",
+        "picture_shape",
+        "state",
+        "__reduce__",
+        "goals",
+        "left",
+        "seed",
+    ],
+    hyped.Batch: [
+        "step",
+        "observe",
+        "reset",
+        "why",
+        "save",
+        "restore",
+        "simulator",
+        "hash",
+        "status",
+        "steps",
+        "seeds",
+        "shape",
+        "observation_shapes",
+        "__len__",
+    ],
     hyped.World: ["buttons", "axes", "words", "tiles", "names", "players", "goals", "step"],
     hyped.Program: ["world", "worlds", "sha256", "_asking", "__reduce__", "warnings"],
     hyped.Planes: ["tags", "rows", "__reduce__"],
-}  # fmt: skip
-FUNCTIONS = [hyped.compile, hyped.Simulator, hyped.Batch, hyped.Variables, hyped.Planes, hyped.with_level, hyped.trace,
-             _hyped._compile, _hyped._rebuilt, _hyped._stuck, _hyped._bounds, _hyped._tune, _hyped._resumed, _hyped._reach, _hyped._why, _hyped._trace, hyped.why,
-             hyped.reach, hyped.World, hyped.Program, hyped.Event]  # fmt: skip
-KEYWORDS = ["observe", "goals", "nevers", "within", "seed", "threads", "world", "level", "tile", "params", "planner", "status",
-            "reset", "observations", "count", "steps", "rows", "chance", "nodes"]  # fmt: skip
+}
+FUNCTIONS = [
+    hyped.compile,
+    hyped.Simulator,
+    hyped.Batch,
+    hyped.Variables,
+    hyped.Planes,
+    hyped.with_level,
+    hyped.trace,
+    _hyped._compile,
+    _hyped._rebuilt,
+    _hyped._stuck,
+    _hyped._bounds,
+    _hyped._tune,
+    _hyped._resumed,
+    _hyped._reach,
+    _hyped._why,
+    _hyped._trace,
+    hyped.why,
+    hyped.reach,
+    hyped.World,
+    hyped.Program,
+    hyped.Event,
+]
+KEYWORDS = [
+    "observe",
+    "goals",
+    "nevers",
+    "within",
+    "seed",
+    "threads",
+    "world",
+    "level",
+    "tile",
+    "params",
+    "planner",
+    "status",
+    "reset",
+    "observations",
+    "count",
+    "steps",
+    "rows",
+    "chance",
+    "nodes",
+]
 
 
 def test_wrong_calls_raise() -> None:

@@ -11,9 +11,9 @@ import time
 
 import numpy as np
 import pytest
-from conftest import BALL
 
 import hyped
+from conftest import BALL
 
 LINK, HARD = "examples/link.hyped", "treasure"
 """A goal that a simple planner does not find in minutes."""
@@ -32,14 +32,24 @@ def plain(record: dict) -> dict:  # type: ignore[type-arg]
     ("path", "options", "arguments"),
     [
         ("examples/paper/test1.hyped", {}, []),
-        ("examples/balloon.hyped", {"goals": "balloon.x > 300", "seed": 4}, ["--goal", "balloon.x > 300", "--seed", "4"]),
-        ("examples/sokoban.hyped", {"planner": "exhaustive", "world": "First"},
-         ["--planner", "exhaustive", "--world", "First"]),
+        (
+            "examples/balloon.hyped",
+            {"goals": "balloon.x > 300", "seed": 4},
+            ["--goal", "balloon.x > 300", "--seed", "4"],
+        ),
+        (
+            "examples/sokoban.hyped",
+            {"planner": "exhaustive", "world": "First"},
+            ["--planner", "exhaustive", "--world", "First"],
+        ),
         ("examples/switch_door.hyped", {"nodes": 3000, "trees": 2}, ["--nodes", "3000", "--trees", "2"]),
-        ("examples/balloon.hyped", {"without": "balloon.y > 600", "within": 400},
-         ["--without", "balloon.y > 600", "--within", "400frames"]),
+        (
+            "examples/balloon.hyped",
+            {"without": "balloon.y > 600", "within": 400},
+            ["--without", "balloon.y > 600", "--within", "400frames"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_answers_are_those_of_the_command_line(path: str, options: dict, arguments: list[str], hypedc: str) -> None:  # type: ignore[type-arg]
     found = hyped.reach(hyped.compile(path), **options)
     shown = subprocess.run(
@@ -185,7 +195,9 @@ def test_bounds_are_those_of_the_command_line(hypedc: str) -> None:
 
 
 def test_tuning() -> None:
-    text = BALL.replace("x' = 60", "param pace = 10\n    x' = pace").replace("goal far: ball.x > 200", "goal far: ball.x > 200 and ball.y > 30")
+    text = BALL.replace("x' = 60", "param pace = 10\n    x' = pace").replace(
+        "goal far: ball.x > 200", "goal far: ball.x > 200 and ball.y > 30"
+    )
     program = hyped.compile(text)
     found = hyped.tune(program, {"Ball.pace": (10, 100)}, within=300, nodes=4000)
     assert found.change is not None and 40 <= found.change["Ball.pace"] <= 45 and not found.is_wanted_already

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ROOT, programs
 
 import hyped
+from conftest import ROOT, programs
 
 STEPS = 10_000
 HOLD = 40
@@ -63,7 +63,9 @@ def token(inputs: dict[str, float], names: list[tuple[str, bool]], count: int) -
     return f"{'+'.join(parts) or '-'}*{count}"
 
 
-def survived(run: hyped.Simulator, names: list[tuple[str, bool]], rng: random.Random, most: int) -> list[tuple[str, int]]:
+def survived(
+    run: hyped.Simulator, names: list[tuple[str, bool]], rng: random.Random, most: int
+) -> list[tuple[str, int]]:
     """Random inputs, held for a while each, that do not end the run: what ends it is taken back."""
     taken: list[tuple[dict[str, float], int, hyped.Simulator]] = []
     failures = 0

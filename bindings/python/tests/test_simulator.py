@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import BALL
 
 import hyped
+from conftest import BALL
 
 
 @pytest.fixture
@@ -79,7 +79,8 @@ def test_states_are_saved(run: hyped.Simulator) -> None:
 
 
 def test_a_broken_rule_leaves_the_state() -> None:
-    text = "entity A { param k: px/s = 1000; x' = k * x / (32 - x) } world W { space s { place a: A at (32, 0) } player 1: a }"
+    text = "entity A { param k: px/s = 1000; x' = k * x / (32 - x) }"
+    text += " world W { space s { place a: A at (32, 0) } player 1: a }"
     run = hyped.Simulator(hyped.compile(text))
     before = run.hash()
     with pytest.raises(hyped.StepError, match="division by zero") as caught:

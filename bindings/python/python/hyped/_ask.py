@@ -37,7 +37,9 @@ def _level_text(level: Level) -> str | None:
         return None
     if isinstance(level, np.ndarray):
         if level.ndim != 2 or level.dtype.kind not in "US":
-            raise QuestionError(f"a level is an array of characters of two dimensions, not {level.dtype} of {level.ndim}")
+            raise QuestionError(
+                f"a level is an array of characters of two dimensions, not {level.dtype} of {level.ndim}"
+            )
         level = ["".join(row) for row in level.astype(str).tolist()]
     if isinstance(level, Sequence) and all(isinstance(row, str) for row in level):
         return "\n".join(level) + "\n"
@@ -70,10 +72,10 @@ def compile(
 ) -> _hyped.Program:
     """Compiles a program.
 
-    ``source`` is a path, or the text of a program: a ``str`` with a line break or a brace. ``folder`` is where a text looks
-    for what it imports. ``level`` fills the open map of a world: a path, a text, rows of text or an array of characters;
-    ``legend`` is the path of its legend, ``tile`` width and height of its tiles in px. ``params`` sets numbers of the
-    program: ``{"Hero.speed": 120}``; a number has the unit that is written in the program.
+    ``source`` is a path, or the text of a program: a ``str`` with a line break or a brace. ``folder`` is where a text
+    looks for what it imports. ``level`` fills the open map of a world: a path, a text, rows of text or an array of
+    characters; ``legend`` is the path of its legend, ``tile`` width and height of its tiles in px. ``params`` sets
+    numbers of the program: ``{"Hero.speed": 120}``; a number has the unit that is written in the program.
 
     Raises ``CompileError`` if the program has errors.
 
@@ -183,15 +185,16 @@ def reach(
     """Searches for inputs that reach goals, or proves that there are none: as ``hypedc reach``.
 
     ``goals`` and ``nevers`` are names or predicates such as ``"hero.x > 300"``; without any, all goals of the world are
-    asked for. ``within`` limits the steps of a path, ``min_hold`` is the number of steps for which each input is held at
-    least, ``after`` are input scripts in whose last states paths begin. ``nodes`` and ``seconds`` limit the search for
-    each of them, ``memory`` is in bytes. The same ``seed`` gives the same answers for any number of ``threads``, if
-    ``seconds`` did not end the search. ``style`` makes paths better: ``fast``, ``calm`` or ``few-inputs``.
-    ``exhaust`` visits all states where the search finds nothing. ``sigma`` asks for paths that withstand timing errors of
-    this standard deviation, in steps, and measures by ``trials`` plays how often they succeed.
+    asked for. ``within`` limits the steps of a path, ``min_hold`` is the number of steps for which each input is held
+    at least, ``after`` are input scripts in whose last states paths begin. ``nodes`` and ``seconds`` limit the search
+    for each of them, ``memory`` is in bytes. The same ``seed`` gives the same answers for any number of ``threads``, if
+    ``seconds`` did not end the search. ``style`` makes paths better: ``fast``, ``calm`` or ``few-inputs``. ``exhaust``
+    visits all states where the search finds nothing. ``sigma`` asks for paths that withstand timing errors of this
+    standard deviation, in steps, and measures by ``trials`` plays how often they succeed.
 
-    ``KeyboardInterrupt`` stops the search, which returns what it has; ``interrupted`` is set then. ``progress`` is called
-    with nodes, their limit and places covered, about twenty times a second; True shows a bar if ``tqdm`` is installed.
+    ``KeyboardInterrupt`` stops the search, which returns what it has; ``interrupted`` is set then. ``progress`` is
+    called with nodes, their limit and places covered, about twenty times a second; True shows a bar if ``tqdm`` is
+    installed.
 
     >>> program = compile(TEXT)
     >>> answer = reach(program)["high"]
@@ -266,8 +269,8 @@ def stuck(
 ) -> Stuck:
     """Looks for places from which a goal cannot be reached any more: as ``hypedc stuck``.
 
-    It is proven where all states can be visited, at most ``states``; elsewhere places are candidates, from which a search
-    of ``nodes`` did not arrive. ``memory`` is in bytes. ``KeyboardInterrupt`` stops it.
+    It is proven where all states can be visited, at most ``states``; elsewhere places are candidates, from which a
+    search of ``nodes`` did not arrive. ``memory`` is in bytes. ``KeyboardInterrupt`` stops it.
     """
     asked = {
         "world": world,
@@ -314,16 +317,19 @@ def tune(
     chance: int | None = None,
     progress: Progress = None,
 ) -> Tuned:
-    """Finds the smallest change of numbers with which a goal is reached, or with ``prevent`` cannot be: as ``hypedc tune``.
+    """Finds the smallest change of numbers with which a goal is reached, or with ``prevent`` cannot be: as ``hypedc
+    tune``.
 
     ``vary`` gives up to four numbers with their ranges, and perhaps the step between two values:
-    ``{"Hero.jump_speed": (100, 400), "Door.locks": (1, 5, 1)}``. ``nevers`` must not be broken. ``nodes``, ``seconds`` and
-    ``memory`` (bytes) limit the search at each value.
+    ``{"Hero.jump_speed": (100, 400), "Door.locks": (1, 5, 1)}``. ``nevers`` must not be broken. ``nodes``, ``seconds``
+    and ``memory`` (bytes) limit the search at each value.
     """
     numbers = []
     for name, of in dict(vary).items():
         if not isinstance(of, (tuple, list)) or len(of) not in (2, 3):
-            raise QuestionError(f"`vary`: {name!r} has a range such as (100, 400), or (1, 5, 1) with a step, not {of!r}")
+            raise QuestionError(
+                f"`vary`: {name!r} has a range such as (100, 400), or (1, 5, 1) with a step, not {of!r}"
+            )
         numbers.append((name, (of[0], of[1]), of[2] if len(of) == 3 else None))
     asked = {
         "vary": numbers,

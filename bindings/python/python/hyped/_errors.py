@@ -26,8 +26,8 @@ class Place:
 class Diagnostic:
     """A finding of the compiler.
 
-    ``severity`` is ``"error"`` or ``"warning"``; ``file``, ``line`` and ``column`` are those of the place that it is about,
-    None if it is about no place. ``labels`` are all places, that one first. ``help`` are the ways out.
+    ``severity`` is ``"error"`` or ``"warning"``; ``file``, ``line`` and ``column`` are those of the place that it is
+    about, None if it is about no place. ``labels`` are all places, that one first. ``help`` are the ways out.
     """
 
     code: str

@@ -31,7 +31,11 @@ VERSION: str
 """The version of the library."""
 
 _Actions = (
-    npt.NDArray[np.float32] | npt.NDArray[np.float64] | npt.NDArray[np.uint8] | npt.NDArray[np.int8] | npt.NDArray[np.bool_]
+    npt.NDArray[np.float32]
+    | npt.NDArray[np.float64]
+    | npt.NDArray[np.uint8]
+    | npt.NDArray[np.int8]
+    | npt.NDArray[np.bool_]
 )
 _Output = npt.NDArray[np.float32] | npt.NDArray[np.float64] | npt.NDArray[np.uint8]
 _Outputs = _Output | Sequence[_Output]
@@ -40,7 +44,9 @@ _Value = float | int | bool | str | None
 
 @final
 class Program:
-    """A compiled program, see ``hyped.compile``. It can be pickled: it is compiled again from the texts that it was made of."""
+    """A compiled program, see ``hyped.compile``. It can be pickled: it is compiled again from the texts that it was
+    made of.
+    """
 
     @property
     def path(self) -> str:
@@ -103,8 +109,8 @@ class World:
 
         ``hero.x``, ``hero.x'`` and ``hero.x''`` are position (px), velocity (px/s) and acceleration (px/s²);
         ``hero.mode`` or ``hero.mode.GROUP`` the innermost active mode, ``hero in air`` whether a mode is active,
-        ``hero.timer.air`` for how long (s), ``hero.space`` the space, ``hero.alive`` whether it is there, ``goal.NAME`` and
-        ``never.NAME`` whether they hold.
+        ``hero.timer.air`` for how long (s), ``hero.space`` the space, ``hero.alive`` whether it is there, ``goal.NAME``
+        and ``never.NAME`` whether they hold.
         """
     def buttons(self, player: int | None = None) -> list[str]:
         """The buttons of a player, in the order of an action."""
@@ -124,13 +130,17 @@ class Event:
 
     @property
     def kind(self) -> str:
-        """``edge``, ``spawned``, ``destroyed``, ``entered``, ``touched``, ``parted``, ``broken``, ``restored``, ``goal``, ``never``."""
+        """``edge``, ``spawned``, ``destroyed``, ``entered``, ``touched``, ``parted``, ``broken``, ``restored``,
+        ``goal``, ``never``.
+        """
     @property
     def instance(self) -> str | None:
         """The instance; None of tiles, goals and ``never``s."""
     @property
     def what(self) -> str | None:
-        """The mode an edge leads to, the space, the tag that is touched, the place of a tile, the goal or the ``never``."""
+        """The mode an edge leads to, the space, the tag that is touched, the place of a tile, the goal or the
+        ``never``.
+        """
 
 @final
 class Simulator:
@@ -171,9 +181,10 @@ class Simulator:
     def step(self, inputs: _Inputs = None, count: int = 1) -> None:
         """A number of steps with the same input.
 
-        ``inputs`` is None, a step of a script such as ``"right+jump"``, or a dict such as ``{"jump": True, "steer": -0.5}``: a
-        button is down unless its number is 0, an axis is from -1 to 1. Names are as in scripts: ``2:jump`` is of player 2,
-        ``nature:hero.roll`` is what nature draws. Raises ``StepError`` if the program breaks a rule of the language.
+        ``inputs`` is None, a step of a script such as ``"right+jump"``, or a dict such as ``{"jump": True, "steer":
+        -0.5}``: a button is down unless its number is 0, an axis is from -1 to 1. Names are as in scripts: ``2:jump``
+        is of player 2, ``nature:hero.roll`` is what nature draws. Raises ``StepError`` if the program breaks a rule of
+        the language.
         """
     def step_with_events(self, inputs: _Inputs = None) -> list[Event]:
         """One step; returns its events: edges in the order in which they were taken, then the others."""
@@ -237,9 +248,9 @@ class Variables:
 class Planes:
     """An observation: a window of tiles around a player as planes of 0 and 1; shape (planes, rows, columns).
 
-    First a plane for each of ``tags``: where there is a tile, not broken, or free-standing geometry with the tag. Then one
-    for each of ``entities``: where the colliders of its instances are. A cell is a tile of the map, 16 x 16 px without one.
-    The player's position is in the cell ``[rows - 1 - rows // 2, columns // 2]``; row 0 is the top.
+    First a plane for each of ``tags``: where there is a tile, not broken, or free-standing geometry with the tag. Then
+    one for each of ``entities``: where the colliders of its instances are. A cell is a tile of the map, 16 x 16 px
+    without one. The player's position is in the cell ``[rows - 1 - rows // 2, columns // 2]``; row 0 is the top.
     """
 
     def __new__(
@@ -270,10 +281,10 @@ class Planes:
 class Batch:
     """``n`` runs of a world in one block of memory, stepped together on ``threads`` threads: all cores by default.
 
-    ``observe`` is what ``step`` writes: a ``Variables`` or a ``Planes``, or up to four of them. ``goals`` and ``nevers`` end
-    a run (all of the world by default), as does a player that leaves the bounds, a run-time error, and the step number
-    ``within``. Row ``i`` draws what nature draws from the seed ``seed + i``, and after a reset from one that is greater by
-    ``n``. Results are the same for any number of threads, and the same bits as those of single runs.
+    ``observe`` is what ``step`` writes: a ``Variables`` or a ``Planes``, or up to four of them. ``goals`` and
+    ``nevers`` end a run (all of the world by default), as does a player that leaves the bounds, a run-time error, and
+    the step number ``within``. Row ``i`` draws what nature draws from the seed ``seed + i``, and after a reset from one
+    that is greater by ``n``. Results are the same for any number of threads, and the same bits as those of single runs.
 
     >>> import hyped, numpy
     >>> batch = hyped.Batch(hyped.compile(TEXT), 64, observe=hyped.Variables(["ball.x", "ball.y"]), within=100)
@@ -327,9 +338,9 @@ class Batch:
         """One step of each row that goes on; a row whose run has ended stays as it is, or begins anew with ``reset``.
 
         ``actions`` has the shape (n, players, buttons + axes), or (n, buttons + axes) for one player: float32, float64,
-        uint8, int8 or bool, contiguous. A button is down unless its number is 0, an axis is from -1 to 1. ``observations``
-        are written in place: float32, float64 or uint8 arrays of ``observation_shapes``; ``status`` is written as
-        ``Batch.status``.
+        uint8, int8 or bool, contiguous. A button is down unless its number is 0, an axis is from -1 to 1.
+        ``observations`` are written in place: float32, float64 or uint8 arrays of ``observation_shapes``; ``status`` is
+        written as ``Batch.status``.
         """
     def observe(self, observations: _Outputs | None = None, status: npt.NDArray[np.uint8] | None = None) -> None:
         """Writes observations and status, without a step."""

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 class Trace(Mapping[str, "npt.NDArray[Any]"]):
     """The run of an input script: a column for each part of the state, as an array of the shape (steps + 1,).
 
-    Row 0 is the initial state. Numbers are float64, positions in px, velocities in px/s; modes, spaces and values of sets
-    are arrays of text. ``inputs`` is what the players did: shape (steps, players, buttons + axes), float64; ``end`` says
-    why the run ended early, if it did.
+    Row 0 is the initial state. Numbers are float64, positions in px, velocities in px/s; modes, spaces and values of
+    sets are arrays of text. ``inputs`` is what the players did: shape (steps, players, buttons + axes), float64;
+    ``end`` says why the run ended early, if it did.
     """
 
     def __init__(self, columns: dict[str, npt.NDArray[Any]], inputs: npt.NDArray[np.float64], end: str | None) -> None:
@@ -65,8 +65,8 @@ def trace(
 ) -> Trace:
     """Runs an input script, and keeps parts of the state of each step.
 
-    ``names`` are the parts, see ``World.names``; all if none are given. ``steps`` is the number of steps, by default those
-    of the script; ``chance`` is the seed of what nature draws.
+    ``names`` are the parts, see ``World.names``; all if none are given. ``steps`` is the number of steps, by default
+    those of the script; ``chance`` is the seed of what nature draws.
     """
     chosen = program.world(world).names if names is None else list(names)
     values, taken, words, end = _hyped._trace(program, world, inputs, chosen, chance, steps)
@@ -248,7 +248,7 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Tuned:
-    """The smallest change of numbers that turns an answer; ``docs/formats/tune.md`` explains the fields of ``record``."""
+    """The smallest change of numbers that turns an answer; ``docs/formats/tune.md`` explains ``record``."""
 
     change: dict[str, float] | None
     """What to set; None if no change was found, or if none is needed."""

@@ -24,8 +24,8 @@ MAX_ACTIONS = 4096
 class Reward:
     """The reward of a step: the sum of its parts.
 
-    ``goal`` where a goal is reached; ``end`` where the run ends otherwise, by a ``never``, outside of the bounds or by an
-    error; ``step`` in each step; ``progress`` times the growth of the number ``of``, a part of the state such as
+    ``goal`` where a goal is reached; ``end`` where the run ends otherwise, by a ``never``, outside of the bounds or by
+    an error; ``step`` in each step; ``progress`` times the growth of the number ``of``, a part of the state such as
     ``"hero.x"``.
     """
 
@@ -37,14 +37,16 @@ class Reward:
 
     def __post_init__(self) -> None:
         if (self.of is None) != (self.progress == 0.0):
-            raise QuestionError("a reward for progress needs both: `progress`, the reward of 1, and `of`, such as \"hero.x\"")
+            raise QuestionError(
+                'a reward for progress needs both: `progress`, the reward of 1, and `of`, such as "hero.x"'
+            )
 
 
 class Actions:
     """The actions of one player as a space, and as numbers for ``Batch.step``.
 
-    ``multi`` is ``MultiDiscrete``: 0 or 1 for each button, 0, 1, 2 for -1, 0, 1 of each axis. ``discrete`` numbers all of
-    these combinations. ``box`` is ``Box(-1, 1)``: a button is down above 0.
+    ``multi`` is ``MultiDiscrete``: 0 or 1 for each button, 0, 1, 2 for -1, 0, 1 of each axis. ``discrete`` numbers all
+    of these combinations. ``box`` is ``Box(-1, 1)``: a button is down above 0.
     """
 
     def __init__(self, world: _hyped.World, player: int, kind: str) -> None:
@@ -64,13 +66,13 @@ class Actions:
         elif kind == "discrete":
             count = int(np.prod(sizes))
             if count > MAX_ACTIONS:
-                raise QuestionError(f"there are {count} combinations of buttons and axes: use actions=\"multi\" or \"box\"")
+                raise QuestionError(f'there are {count} combinations of buttons and axes: use actions="multi" or "box"')
             table = np.stack(np.unravel_index(np.arange(count), sizes), axis=1).astype(np.float32)
             table[:, self.buttons :] -= 1.0
             self.table = table
             self.space = spaces.Discrete(count)
         else:
-            raise QuestionError(f"no kind of actions {kind!r}: there is \"multi\", \"discrete\", \"box\"")
+            raise QuestionError(f'no kind of actions {kind!r}: there is "multi", "discrete", "box"')
 
     def write(self, given: npt.ArrayLike, out: npt.NDArray[np.float32]) -> None:
         """Writes actions of the shape (n, …) as numbers of the shape (n, buttons + axes)."""
@@ -171,7 +173,9 @@ class Window:
         try:
             import pygame
         except ImportError as why:
-            raise error.DependencyNotInstalled("render_mode=\"human\" needs pygame: pip install 'hyped[human]'") from why
+            raise error.DependencyNotInstalled(
+                "render_mode=\"human\" needs pygame: pip install 'hyped[human]'"
+            ) from why
         self.pygame = pygame
         self.title, self.seconds = title, seconds
         self.screen: Any = None

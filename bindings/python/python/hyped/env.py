@@ -197,10 +197,10 @@ class LevelEnv(gymnasium.Env[Any, Any]):
 class LevelVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """As ``LevelEnv``, for ``num_envs`` runs at once in one block of memory, stepped on all cores.
 
-    ``autoreset_mode`` is one of ``gymnasium.vector.AutoresetMode``: by default the next step of a run that has ended begins
-    anew (``NEXT_STEP``); with ``SAME_STEP`` the same step does, and ``info["final_obs"]`` has the last observation; with
-    ``DISABLED`` the caller resets by ``reset(options={"reset_mask": …})``. ``threads`` is the number of threads; results
-    are the same for any. ``copy=False`` gives the same arrays in each step, written anew.
+    ``autoreset_mode`` is one of ``gymnasium.vector.AutoresetMode``: by default the next step of a run that has ended
+    begins anew (``NEXT_STEP``); with ``SAME_STEP`` the same step does, and ``info["final_obs"]`` has the last
+    observation; with ``DISABLED`` the caller resets by ``reset(options={"reset_mask": …})``. ``threads`` is the number
+    of threads; results are the same for any. ``copy=False`` gives the same arrays in each step, written anew.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 60, "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -226,7 +226,7 @@ class LevelVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         copy: bool = True,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
-            raise error.Error(f"render_mode is None or \"rgb_array\" here, not {render_mode!r}")
+            raise error.Error(f'render_mode is None or "rgb_array" here, not {render_mode!r}')
         self.render_mode = render_mode
         self.num_envs = num_envs
         self.mode = AutoresetMode(autoreset_mode)
@@ -279,5 +279,5 @@ class LevelVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
 def _mode(render_mode: str | None) -> str | None:
     if render_mode not in (None, "rgb_array", "human"):
-        raise error.Error(f"render_mode is None, \"rgb_array\" or \"human\", not {render_mode!r}")
+        raise error.Error(f'render_mode is None, "rgb_array" or "human", not {render_mode!r}')
     return render_mode

@@ -70,8 +70,8 @@ class FolderCache(MutableMapping[str, str]):
 class Features:
     """What is known of one goal in one level.
 
-    ``verdict`` is that of ``hyped.Answer``, ``"error"`` if the level cannot be compiled: ``error`` says why. ``steps`` is
-    the length of the shortest known way, ``is_shortest`` whether it is proven so; ``places`` are 16-px squares and
+    ``verdict`` is that of ``hyped.Answer``, ``"error"`` if the level cannot be compiled: ``error`` says why. ``steps``
+    is the length of the shortest known way, ``is_shortest`` whether it is proven so; ``places`` are 16-px squares and
     ``modes`` combinations of modes that the search came to; ``success`` is the share of plays with timing errors that
     succeed (None without ``sigma``, or without a way); ``presses`` is the number of changes of inputs on the way.
     """
@@ -150,10 +150,10 @@ def evaluate(
 ) -> list[dict[str, Features]]:
     """Judges levels: for each of them, the features of each goal by its name.
 
-    ``program`` leaves the map of a world open: each of ``levels`` fills it, see ``hyped.compile``. ``options`` are those of
-    ``hyped.reach``: ``nodes``, ``seed``, ``within``, ``sigma`` and so on. Levels that are equal are judged once. With
-    ``executor`` each level is a task; ``cache`` keeps answers by a hash of program, level and options. A level that cannot
-    be compiled has the verdict ``"error"``; no exception is raised for it.
+    ``program`` leaves the map of a world open: each of ``levels`` fills it, see ``hyped.compile``. ``options`` are
+    those of ``hyped.reach``: ``nodes``, ``seed``, ``within``, ``sigma`` and so on. Levels that are equal are judged
+    once. With ``executor`` each level is a task; ``cache`` keeps answers by a hash of program, level and options. A
+    level that cannot be compiled has the verdict ``"error"``; no exception is raised for it.
 
     Limits of ``nodes`` give the same features on every machine; those of ``seconds`` do not.
     """

@@ -12,7 +12,7 @@ from pettingzoo import ParallelEnv
 
 from hyped import _hyped
 from hyped._ask import Level, Source, compile
-from hyped._spaces import Actions, Observations, Observe, Reward, Window, is_terminated, is_truncated
+from hyped._spaces import Actions, Observations, Reward, Window, is_terminated, is_truncated
 from hyped._status import GOAL, RUNNING
 
 __all__ = ["LevelParallelEnv", "Reward"]
@@ -23,8 +23,8 @@ class LevelParallelEnv(ParallelEnv[str, Any, Any]):
 
     Args are those of ``hyped.env.LevelEnv``; ``observe`` may also be a function from the number of a player to what it
     observes, and ``goals`` gives each player a goal of its own, ``{1: "left_wins", 2: "right_wins"}``: its reward is
-    ``reward.goal`` where that is reached and ``reward.end`` where the episode ends otherwise. Without ``goals``, all goals
-    are of all players. An episode ends for all players at once.
+    ``reward.goal`` where that is reached and ``reward.end`` where the episode ends otherwise. Without ``goals``, all
+    goals are of all players. An episode ends for all players at once.
     """
 
     metadata = {"name": "hyped_level_v0", "render_modes": ["rgb_array", "human"], "render_fps": 60}

@@ -5,10 +5,13 @@ from __future__ import annotations
 import ast
 import doctest
 import os
+import re
+from pathlib import Path
 
 import pytest
 
 import hyped
+from conftest import ROOT
 
 FOLDER = os.path.dirname(hyped.__file__)
 TEXT = """entity Ball {
@@ -59,3 +62,16 @@ def test_everything_public_is_described() -> None:
     for name in hyped.__all__:
         of = getattr(hyped, name)
         assert isinstance(of, int) or of.__doc__, name
+
+
+def test_the_page_of_the_book_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs/python.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) >= 6
+    # What a block writes stays here.
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    names = {"levels": ["examples/smb/mario-1-1.txt"]}
+    for block in blocks:
+        exec(compile(block, "docs/python.md", "exec"), names)
+    assert names["found"][0]["end"].verdict == "reached" and names["answer"].verdict == "reached"

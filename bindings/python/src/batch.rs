@@ -361,8 +361,7 @@ impl Batch {
 
     /// The state of a row, as `Simulator.save` gives it.
     fn save<'py>(&self, py: Python<'py>, row: isize) -> PyResult<Bound<'py, PyBytes>> {
-        let simulator = self.simulator(py, row)?;
-        simulator.save_state(py)
+        Ok(self.simulator(py, row)?.save(py))
     }
 
     /// Puts a saved state in place in a row.

@@ -62,7 +62,11 @@ pub(crate) fn input(
         let players = || sim.world().players.iter();
         let first = players().map(|player| player.number).min().unwrap_or(1);
         let (player, control) = match name.split_once(':') {
-            Some((number, control)) => (number.parse().unwrap_or(0), control),
+            Some((number, control)) => {
+                let known = number.parse().ok().filter(|number| players().any(|player| player.number == *number));
+                let known = known.ok_or_else(|| argument(format!("no player `{number}` in `{}`", sim.world().name)))?;
+                (known, control)
+            }
             None => (first, name.as_str()),
         };
         let found = sim.control(player, control).ok_or_else(|| unknown(sim, player, control))?;

@@ -66,11 +66,6 @@ impl Simulator {
         }
     }
 
-    /// The state as bytes.
-    pub(crate) fn save_state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(self.save(py))
-    }
-
     fn input(&mut self, given: Option<&Bound<'_, PyAny>>) -> PyResult<Input> {
         let text = given.and_then(|given| given.extract::<String>().ok());
         if let (Some(text), Some((last, input))) = (&text, &self.last)
@@ -260,7 +255,7 @@ impl Simulator {
     }
 
     /// The state as bytes, for `restore` and for files.
-    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+    pub(crate) fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.run.simulator().save(self.run.state()))
     }
 

@@ -30,10 +30,9 @@ def test_rows_are_single_runs(path: str) -> None:
     names = [name for name in program.world().names if not name.startswith("never.")][:40]
     batch = hyped.Batch(program, 64, observe=hyped.Variables(names), goals=[], nevers=[], seed=5)
     runs = [hyped.Simulator(program, seed=5 + row) for row in range(64)]
-    controls = [(number, kind) for number, _ in program.world().players for kind in (number,)]
+    players = [number for number, _ in program.world().players]
     rng = np.random.default_rng(1)
     seen = np.zeros(batch.observation_shapes[0], np.float64)
-    first = min(number for number, _ in program.world().players)
     for _ in range(60):
         actions = actions_of(batch, rng)
         batch.step(actions, seen)
@@ -41,9 +40,9 @@ def test_rows_are_single_runs(path: str) -> None:
             if runs[row].left is not None:
                 continue
             inputs = {}
-            for place, (number, _) in enumerate(controls):
+            for place, number in enumerate(players):
                 own = [*program.world().buttons(number), *program.world().axes(number)]
-                prefix = "" if number == first else f"{number}:"
+                prefix = "" if number == min(players) else f"{number}:"
                 inputs.update({prefix + name: float(actions[row, place, at]) for at, name in enumerate(own)})
             runs[row].step(inputs)
             assert batch.simulator(row).hash() == runs[row].hash()
@@ -80,29 +79,23 @@ def test_any_number_of_threads_gives_the_same(path: str, dtype: type) -> None:
 
 
 def test_rows_end_and_begin_anew() -> None:
-    batch = hyped.Batch(hyped.compile(BALL), 96, within=150)
+    batch = hyped.Batch(hyped.compile(BALL), 96, within=250)
     status, fly = np.zeros(96, np.uint8), np.zeros(batch.shape, np.bool_)
-    height = hyped.Batch(batch.program, 96, observe=hyped.Variables(["ball.y"]))
-    del height
     ended = set()
     for step in range(400):
-        # The first third falls, the second flies at its height, the last one rises.
+        # The first third falls, the second stays at its height, the last one rises to a rock that it does not pass.
         fly[32:64] = step % 2 == 0
-        fly[64:] = True
+        fly[64:] = step < 60 or step % 2 == 0
         batch.step(fly, status=status)
         assert (status == batch.status).all()
         ended |= set(zip(np.arange(96)[status > 0] // 32, status[status > 0].tolist()))
-    assert ended == {(0, hyped.NEVER), (1, hyped.TIME_UP), (2, hyped.TIME_UP)} or ended == {
-        (0, hyped.NEVER),
-        (1, hyped.GOAL),
-        (2, hyped.GOAL),
-    }
+    assert ended == {(0, hyped.NEVER), (1, hyped.GOAL), (2, hyped.TIME_UP)}
     before = batch.hash()
     batch.step(fly, status=status)
     assert batch.hash() == before, "runs that have ended stay"
     assert batch.why(0) == "low" and batch.why(-1) is not None
     batch.reset(status == hyped.NEVER)
-    assert batch.steps.tolist() == [0] * 32 + [batch.steps[-1]] * 64 and batch.status[:32].sum() == 0
+    assert batch.steps[:32].sum() == 0 and batch.steps[32:].min() > 100 and batch.status[:32].sum() == 0
     assert batch.seeds[:32].tolist() == list(range(96, 128)) and batch.seeds[32] == 32
     batch.reset()
     assert batch.steps.sum() == 0

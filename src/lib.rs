@@ -27,6 +27,7 @@
 //! | [`ir`] | the flat tables that all back ends share, and the layout of a state |
 //! | [`analysis`] | abstract interpretation of the flat tables: the reachable values, and findings from them |
 //! | [`sim`] | one step of time, input scripts, traces |
+//! | [`batch`] | many runs of one world, stepped together: inputs and observations as arrays of numbers |
 //! | [`compile`] | the driver of the stages above |
 //! | [`why`] | why an instance did what it did in a step of a run, and what it nearly did |
 //! | [`reach`] | reachability queries: proofs, planners over the simulator, replay |
@@ -47,12 +48,13 @@
 //! [`format`]: mod@format
 
 pub mod analysis;
-#[cfg(any(feature = "cli", feature = "lsp"))]
+#[cfg(any(feature = "ask", feature = "lsp"))]
 pub mod ask;
+pub mod batch;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod compile;
-#[cfg(any(feature = "cli", feature = "lsp"))]
+#[cfg(any(feature = "ask", feature = "lsp"))]
 pub mod corpus;
 pub mod diagnostic;
 #[cfg(feature = "cli")]
@@ -78,7 +80,7 @@ pub mod studio;
 pub mod suite;
 pub mod syntax;
 pub mod tabular;
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 pub mod tune;
 pub mod view;
 pub mod watch;

@@ -6,12 +6,14 @@
 mod support;
 
 mod allocation;
+mod batch;
 mod breakable;
 mod conformance;
 mod embedding;
 mod examples;
 mod members;
 mod memory;
+mod named;
 mod probes;
 mod properties;
 mod seams;

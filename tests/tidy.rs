@@ -25,6 +25,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("lint", &["source", "diagnostic", "sema", "ir"]),
     ("analysis", &["source", "watch", "diagnostic", "ir"]),
     ("sim", &["source", "watch", "tabular", "json", "diagnostic", "ir"]),
+    ("batch", &["diagnostic", "ir", "sim"]),
     ("compile", &["source", "diagnostic", "syntax", "level", "sema", "lint", "ir", "analysis", "sim"]),
     ("why", &["source", "ir", "sim"]),
     ("reach", &["source", "watch", "parallel", "ir", "analysis", "sim", "why"]),

@@ -4,8 +4,8 @@ use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
-use super::{bounds, corpus, diff, reach, stuck, tune};
-use crate::ask::{reach_schema, sim_schema, why_schema};
+use super::{corpus, diff, reach, tune};
+use crate::ask::{bounds_schema, reach_schema, sim_schema, stuck_schema, why_schema};
 use crate::corpus::Row;
 use crate::diagnostic::render;
 use crate::experiment::Report;
@@ -19,12 +19,12 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
     vec![
         ("program", Program::json_schema()),
         ("findings", closed(render::json_schema(), "Findings of `hypedc check --format json`")),
-        ("bounds", closed(bounds::json_schema(), "What `hypedc bounds --format json` writes")),
+        ("bounds", closed(bounds_schema(), "What `hypedc bounds --format json` writes")),
         ("results", closed(reach_schema(), "What `hypedc reach --format json` writes")),
         ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
         ("skill", closed(reach::skill_schema(), "What `hypedc reach --skill --format json` writes")),
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
-        ("stuck", closed(stuck::json_schema(), "What `hypedc stuck --format json` writes")),
+        ("stuck", closed(stuck_schema(), "What `hypedc stuck --format json` writes")),
         ("tune", closed(tune::json_schema(), "What `hypedc tune --format json` writes")),
         ("tune-tiles", closed(tune::tiles_schema(), "What `hypedc tune --tiles --format json` writes")),
         ("tests", closed(suite_schema(), "What `hypedc test --format json` writes")),

@@ -167,7 +167,7 @@ fn reach_monitored(
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
     }
     // The engine of the page has no room for it.
-    #[cfg(feature = "cli")]
+    #[cfg(feature = "ask")]
     if settings.planner == Planner::Auto && settings.exhausts {
         return exact::conclude(problem, outcome, settings, limits, watch);
     }

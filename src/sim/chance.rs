@@ -210,7 +210,7 @@ impl Simulator {
     }
 
     /// As [`Simulator::draw`], written to an input that is reused, so that nothing is allocated.
-    pub(super) fn draw_into(&self, seed: u64, step: u64, input: &Input, drawn: &mut Input) {
+    pub fn draw_into(&self, seed: u64, step: u64, input: &Input, drawn: &mut Input) {
         drawn.0.clone_from(&input.0);
         drawn.1.0.clear();
         for (id, draw) in (0..).map(DrawId).zip(&self.draws) {

@@ -9,7 +9,7 @@ use crate::compile::Changes;
 use crate::ir::{SlotId, VarId, World};
 use crate::tabular::{Column, Table};
 
-use super::{bounds_of, goals};
+use crate::ask::{bounds_of, goal_reasons};
 use crate::cli::Exit;
 use crate::cli::args::{BoundsArgs, ResultFormat};
 use crate::cli::report::{choose_world, load_again, load_changed, plain_error};
@@ -42,7 +42,7 @@ pub(super) fn run(args: &BoundsArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
             Table::new(columns)
         });
         let mut cells = sweep.cells(point);
-        cells.extend(goals(&loaded, id, &space).into_iter().map(|(_, why)| match why {
+        cells.extend(goal_reasons(&loaded, id, &space).into_iter().map(|(_, why)| match why {
             Some(_) => "proven unreachable".into(),
             None => "not ruled out".into(),
         }));

@@ -8,7 +8,7 @@ use crate::analysis::{Configuration, Interval, SlotSpace, Values};
 use crate::ir::{DiscreteId, Domain, Entity, GroupId, Id, LeafId, SlotId, TimerId, VarId, World};
 
 use crate::analysis::wording::{number, values as shown};
-use crate::cli::bounds::{Dimensions, WorldBounds, dimensions};
+use crate::ask::{Dimensions, WorldBounds, dimensions};
 
 /// Maximum width of a line, where it can be broken.
 const WIDTH: usize = 110;

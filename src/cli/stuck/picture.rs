@@ -4,25 +4,15 @@ use std::path::Path;
 
 use crate::ir::GoalId;
 use crate::reach::stuck::Spot;
-use crate::sim::{Script, Simulator};
+use crate::sim::Simulator;
 use crate::view::{Images, Node, Picture, Run, picture_svg};
 use crate::watch::Watch;
 
-use super::result::StuckResult;
 use super::text::{summary, verdict};
-use crate::ask::recorded;
+use crate::ask::{StuckDrawn, StuckResult, recorded};
 
 /// Maximum number of ways in a picture.
 const MAX_DRAWN: usize = 4;
-
-/// What is drawn of an answer.
-#[derive(Debug, Default)]
-pub(super) struct Drawn {
-    /// Where the first player is stuck.
-    pub spots: Vec<Spot>,
-    /// The ways in.
-    pub scripts: Vec<Script>,
-}
 
 /// Writes the picture.
 ///
@@ -32,7 +22,7 @@ pub(super) fn save(
     path: &Path,
     (sim, goal): (&Simulator, GoalId),
     result: &StuckResult,
-    drawn: &Drawn,
+    drawn: &StuckDrawn,
     images: &Images,
     watch: &dyn Watch,
 ) -> std::io::Result<()> {

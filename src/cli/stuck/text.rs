@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::result::{StuckResult, StuckVerdict, WayResult};
+use crate::ask::{StuckResult, StuckVerdict, StuckWay};
 use crate::cli::reach::{ScriptDetail, counted};
 use crate::reach::stuck::StateCounts;
 
@@ -73,7 +73,7 @@ fn states(states: &StateCounts) -> String {
 }
 
 /// One way in.
-fn way(way: &WayResult, detail: ScriptDetail) -> String {
+fn way(way: &StuckWay, detail: ScriptDetail) -> String {
     let mut out = match (&way.from, way.last_input.as_deref()) {
         (None, input) => {
             let input = input.filter(|input| *input != "-").unwrap_or("nothing");

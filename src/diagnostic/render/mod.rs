@@ -2,19 +2,19 @@
 //! JSON object for a whole run: [`json`], our own, and [`sarif`], the exchange format of checkers. From the pages that
 //! explain them: [`page()`]; from the descriptions of words: [`word`].
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 mod human;
 mod json;
 mod page;
 #[cfg(feature = "cli")]
 mod sarif;
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 mod short;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 pub use human::human;
 pub use json::json;
 #[cfg(feature = "testing")]
@@ -22,7 +22,7 @@ pub(crate) use json::json_schema;
 pub use page::{page, word};
 #[cfg(feature = "cli")]
 pub use sarif::sarif;
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 pub use short::short;
 
 use super::{Diagnostic, Diagnostics};

@@ -71,7 +71,7 @@ fn visited(
 ///
 /// # Errors
 /// A [`Fault`] if the initial state breaks a rule.
-#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "only the command line asks for it"))]
+#[cfg_attr(not(feature = "ask"), allow(dead_code, reason = "only the command line asks for it"))]
 pub(in super::super) fn conclude(
     problem: &Problem<'_>,
     mut outcome: Outcome,

@@ -28,7 +28,7 @@ use super::exchange::plan_from_script;
 use super::outcome::Plan;
 use super::problem::{Problem, Start, StateStatus, Target, Termination};
 use super::window::Windows;
-#[cfg(feature = "cli")]
+#[cfg(feature = "ask")]
 pub(super) use conclude::conclude;
 pub use conclude::exhaust;
 use free::{FreeTouch, FreeTouches, MAX_FREE, Where};

@@ -17,6 +17,10 @@ const TIMES: [u64; 4] = [60, 80, 90, 97];
 /// The divisors of the node budget for a beam, and for its nodes without a faster plan.
 const BEAM: u64 = 2;
 const PATIENCE: u64 = 4;
+/// Who is asked in place of `auto`: each finds ways that the other does not.
+const PLANNERS: [Planner; 2] = [Planner::TimeGuided, Planner::DistanceGuided];
+/// The divisor of the nodes of searches that only add to a beam.
+const BRIEF: u64 = 4;
 /// The divisor of the node budget for one other search, and the maximum number of its nodes.
 const SHARE: u64 = 4;
 const MAX_NODES: u64 = 100_000;
@@ -35,42 +39,66 @@ pub fn improve_duration(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Plan {
-    let mut best = plan.clone();
-    let (mut left, mut round) = (limits.nodes, 0);
-    // A shortest plan cannot be improved.
-    let mut is_faster = |planner, percent: u64, most: u64, patience: u64| {
-        let steps = best.steps - best.after;
+    let mut improving =
+        Improving { problem, space, settings, limits, watch, best: plan.clone(), left: limits.nodes, round: 0 };
+    let mut most = (limits.nodes / SHARE).clamp(1, MAX_NODES);
+    if settings.planner == Planner::Auto {
+        // A beam seldom waits for anything: where it finds a plan, others may find a faster one.
+        if improving.search(Planner::Beam, 100, limits.nodes / BEAM, limits.nodes / PATIENCE) {
+            most /= BRIEF;
+        }
+        improving.repeat(&PLANNERS, &TIMES, most);
+    } else {
+        improving.repeat(&[settings.planner], &TIMES, most);
+    }
+    improving.best
+}
+
+/// The search for faster plans.
+struct Improving<'i, 'p> {
+    problem: &'i Problem<'p>,
+    space: &'i ConfigurationSpace,
+    settings: &'i Settings,
+    limits: &'i Limits,
+    watch: &'i dyn Watch,
+    /// The fastest plan so far.
+    best: Plan,
+    /// Number of nodes that are left.
+    left: u64,
+    /// Number of searches so far.
+    round: u64,
+}
+
+impl Improving<'_, '_> {
+    /// Searches with time limits, in percent of the fastest plan, each as long as a planner finds a faster one.
+    fn repeat(&mut self, planners: &[Planner], times: &[u64], nodes: u64) {
+        for percent in times {
+            while planners.iter().any(|planner| self.search(*planner, *percent, nodes, 0)) {}
+        }
+    }
+
+    /// Whether a planner finds a faster plan.
+    fn search(&mut self, planner: Planner, percent: u64, nodes: u64, patience: u64) -> bool {
+        let steps = self.best.steps - self.best.after;
         let within = (steps * percent / 100).min(steps.saturating_sub(1));
-        let nodes = most.min(left);
-        if best.is_shortest || within == 0 || nodes == 0 || watch.stop() {
+        let nodes = nodes.max(1).min(self.left);
+        // A shortest plan cannot be improved.
+        if self.best.is_shortest || within == 0 || nodes == 0 || self.watch.stop() {
             return false;
         }
-        round += 1;
-        let limited = problem.clone().within(u32::try_from(within).unwrap_or(u32::MAX));
-        let settings = Settings { planner, seed: mix(settings.seed, round), records: false, patience, ..*settings };
-        let Ok(outcome) = search(&limited, space, &settings, &Limits { nodes, ..*limits }, watch) else { return false };
-        left = left.saturating_sub(outcome.statistics.nodes.max(1));
+        self.round += 1;
+        let seed = mix(self.settings.seed, self.round);
+        let limited = self.problem.clone().within(u32::try_from(within).unwrap_or(u32::MAX));
+        let settings = Settings { planner, seed, records: false, patience, ..*self.settings };
+        let limits = Limits { nodes, ..*self.limits };
+        let Ok(outcome) = search(&limited, self.space, &settings, &limits, self.watch) else { return false };
+        self.left = self.left.saturating_sub(outcome.statistics.nodes.max(1));
         match outcome.verdict {
-            Verdict::Reached(plan) if plan.steps - plan.after < steps => best = plan,
+            Verdict::Reached(plan) if plan.steps - plan.after < steps => self.best = plan,
             _ => return false,
         }
         true
-    };
-    // Each finds ways that the others do not.
-    let planners: &[Planner] = match settings.planner {
-        Planner::Auto => {
-            if is_faster(Planner::Beam, 100, limits.nodes / BEAM, limits.nodes / PATIENCE) {
-                return best;
-            }
-            &[Planner::TimeGuided, Planner::DistanceGuided]
-        }
-        _ => &[settings.planner],
-    };
-    let most = (limits.nodes / SHARE).clamp(1, MAX_NODES);
-    for percent in TIMES {
-        while planners.iter().any(|planner| is_faster(*planner, percent, most, 0)) {}
     }
-    best
 }
 
 /// A faster plan than the first one, by one more search of twice as many nodes: what is found first is often a detour.

@@ -23,6 +23,8 @@ const WIDTH: usize = 8;
 const WIDEST: usize = 1 << 16;
 /// The least number of places that the states of a time are in, if there are as many: the nearest ones may be stuck.
 const PLACES: usize = 16;
+/// After so many times, a cell may be entered again: who waits for a platform stays where he is.
+const FORGETS: u32 = 4;
 /// The holds of the trees, in turns, steps.
 const HOLDS: [u16; 3] = [8, 12, 6];
 /// The side of a cell, px, and the number of cells for the range of velocities.
@@ -48,6 +50,8 @@ pub(super) struct Beam<'m> {
     /// The number of trees so far, and of the last ones that had nothing left to extend.
     trees: u32,
     whole: u32,
+    /// The number of times so far.
+    layers: u32,
     width: usize,
     /// Whether a layer had more states than were extended.
     is_cut: bool,
@@ -55,7 +59,7 @@ pub(super) struct Beam<'m> {
     layer: Vec<Candidate>,
     done: usize,
     next: Vec<Candidate>,
-    /// The least depth in each cell.
+    /// The least depth in each cell, lately.
     soonest: HashMap<u64, u32>,
     /// The number of states of the layer in each place.
     in_place: HashMap<u64, usize>,
@@ -69,6 +73,7 @@ impl<'m> Beam<'m> {
             players: PlayerCells::new(problem, metric, guidance, VELOCITIES),
             trees: 0,
             whole: 0,
+            layers: 0,
             width: WIDTH,
             is_cut: false,
             layer: Vec::new(),
@@ -121,6 +126,10 @@ impl<'m> Beam<'m> {
         });
         self.layer.truncate(self.width);
         self.is_cut |= self.layer.len() < count;
+        self.layers += 1;
+        if self.layers.is_multiple_of(FORGETS) {
+            self.soonest.clear();
+        }
     }
 
     fn hold(&self, context: &SearchContext<'_>) -> u16 {

@@ -198,7 +198,7 @@ impl Batch {
     /// come first, then axes, each in the order in which the entity has them.
     pub fn shape(&self) -> (usize, usize) {
         let players = self.shared.sim.world().players.len();
-        (players, if players == 0 { 0 } else { self.shared.width / players })
+        (players, self.shared.width.checked_div(players).unwrap_or(0))
     }
 
     /// The working memory of a thread.

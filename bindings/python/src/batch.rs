@@ -19,7 +19,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::arrays::{Inputs, Outputs, Read, Write};
 use crate::error::{argument, class::HypedError, step};
 use crate::program::Program;
-use crate::simulator::Simulator;
+use crate::simulator::{Simulator, past};
 use crate::views::{MAX_VIEWS, views};
 use crate::world::World;
 
@@ -369,7 +369,7 @@ impl Batch {
     fn restore(&mut self, row: isize, state: &[u8], steps: u64) -> PyResult<()> {
         let row = self.row(row)?;
         let state = self.batch.simulator().load(state).map_err(|why| argument(why.to_string()))?;
-        self.batch.set_state(row, &state, steps);
+        self.batch.set_state(row, &state, past(steps)?);
         Ok(())
     }
 

@@ -21,6 +21,8 @@ use crate::world::World;
 
 /// Number of steps between two looks for signals.
 const STEPS: u64 = 1 << 14;
+/// Maximum number of steps of one call, as of a script.
+const MAX_STEPS: u64 = 100_000_000;
 /// The largest side of a picture, in pixels.
 const MAX_SIDE: u32 = 8192;
 
@@ -150,6 +152,9 @@ impl Simulator {
     /// A number of steps with the same input.
     #[pyo3(signature = (inputs = None, count = 1))]
     fn step(&mut self, py: Python<'_>, inputs: Option<&Bound<'_, PyAny>>, count: u64) -> PyResult<()> {
+        if count > MAX_STEPS {
+            return Err(argument(format!("`count` is at most {MAX_STEPS}, not {count}")));
+        }
         let input = self.input(inputs)?;
         self.repeat(py, &input, count)
     }
@@ -263,7 +268,7 @@ impl Simulator {
     #[pyo3(signature = (state, steps = 0))]
     fn restore(&mut self, state: &[u8], steps: u64) -> PyResult<()> {
         let state = self.run.simulator().load(state).map_err(|why| argument(why.to_string()))?;
-        self.put(&state, steps);
+        self.put(&state, past(steps)?);
         Ok(())
     }
 
@@ -372,6 +377,14 @@ impl Simulator {
         let first = sim.initial(&mut sim.scratch()).map_err(|fault| self.fault(fault))?;
         area.observe(sim, &first);
         Ok(Film::new(sim, FilmOptions { scale, size, is_dark }, images, &area))
+    }
+}
+
+/// Number of steps of a run that goes on: it can be counted further.
+pub(crate) fn past(steps: u64) -> PyResult<u64> {
+    match steps <= u64::MAX / 2 {
+        true => Ok(steps),
+        false => Err(argument(format!("`steps` is at most {}, not {steps}", u64::MAX / 2))),
     }
 }
 

@@ -18,7 +18,7 @@ test('worlds of a program', () => {
 });
 
 test('a search shows what it says and draws a picture', async () => {
-  const found = await reach(hypedc, { file, world: 'Dungeon', goal: 'unlocked' }, ['--nodes', '20000']);
+  const found = await reach(hypedc, { file, world: 'Dungeon', goal: 'unlocked' }, ['--nodes', '100000']);
   assert.equal(found.code, 0, found.text);
   assert.match(found.text, /goal unlocked: reached/);
   assert.deepEqual(found.pictures.map(({ title }) => title), ['unlocked']);

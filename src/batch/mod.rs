@@ -10,7 +10,7 @@ mod view;
 
 use std::sync::Arc;
 
-use crate::ir::{AxisId, ButtonId, GoalId, NeverId, PlayerId, World};
+use crate::ir::{GoalId, NeverId, World};
 use crate::sim::{Control, Fault, Input, Run, Scratch, Simulator, State};
 
 pub use planes::{PlaneChoice, Planes};
@@ -153,13 +153,8 @@ impl Batch {
     /// A [`Fault`] if the initial state breaks a rule.
     pub fn new(sim: Arc<Simulator>, rows: usize, seed: u64, rules: Rules) -> Result<Batch, Fault> {
         let first = Run::of(Arc::clone(&sim))?.state().clone();
-        let of_player = |(id, player): (PlayerId, &crate::ir::Player)| {
-            let entity = &sim.program().entities[sim.world().slots[player.slot].entity];
-            let buttons = entity.buttons.ids().map(move |button: ButtonId| Control::Button(id, button));
-            let axes = entity.axes.ids().map(move |axis: AxisId| Control::Axis(id, axis));
-            buttons.chain(axes).collect::<Vec<_>>()
-        };
-        let players: Vec<Vec<Control>> = sim.world().players.pairs().map(of_player).collect();
+        let players: Vec<Vec<Control>> =
+            sim.world().players.ids().map(|player| sim.controls(player).collect()).collect();
         let per_player = players.iter().map(Vec::len).max().unwrap_or(0);
         let places = players.iter().enumerate().flat_map(|(at, of)| (0..of.len()).map(move |i| at * per_player + i));
         let mut shared = Shared {
@@ -222,12 +217,9 @@ impl Batch {
         self.states.get(row.checked_mul(size)?..)?.get(..size)
     }
 
-    /// Writes what an observation sees of each row, one after the other. Panics if `out` has another length.
+    /// Writes what an observation sees of each row, one after the other, as far as there is room.
     pub fn observe<T: Sample>(&self, view: &View, out: &mut [T]) {
-        let size = self.shared.first.len();
-        for (state, out) in self.states.chunks_exact(size).zip(out.chunks_exact_mut(view.len().max(1))) {
-            view.write(&self.shared.sim, state, out);
-        }
+        self.shared.observe(&self.states, view, out);
     }
 
     /// Replaces the state of a row, with the number of steps that led to it.
@@ -346,10 +338,7 @@ impl<'b> Part<'b> {
 
     /// As [`Batch::observe`].
     pub fn observe<T: Sample>(&self, view: &View, out: &mut [T]) {
-        let size = self.shared.first.len();
-        for (state, out) in self.states.chunks_exact(size).zip(out.chunks_exact_mut(view.len().max(1))) {
-            view.write(&self.shared.sim, state, out);
-        }
+        self.shared.observe(self.states, view, out);
     }
 
     /// How the run of each row stands, as its number.
@@ -361,6 +350,13 @@ impl<'b> Part<'b> {
 }
 
 impl Shared {
+    fn observe<T: Sample>(&self, states: &[u8], view: &View, out: &mut [T]) {
+        let states = states.chunks_exact(self.first.len());
+        for (state, out) in states.zip(out.chunks_exact_mut(view.len().max(1))) {
+            view.write(&self.sim, state, out);
+        }
+    }
+
     fn reset(&self, state: &mut [u8], row: &mut Row) {
         state.copy_from_slice(&self.first);
         *row = self.begin(row.seed.wrapping_add(self.rows));

@@ -1,6 +1,7 @@
 //! The text form of a program, for people and for snapshot tests.
 
 use std::fmt::Write;
+use std::mem::discriminant;
 
 use super::{
     Actions, Arithmetic, By, Choice, Domain, Drive, Entity, Expr, ExprId, Function, Look, Origin, Place, Press,
@@ -374,18 +375,15 @@ fn expression<'a>(
         }
         // The grouping of operands of one word means nothing.
         Expr::And(a, b) | Expr::Or(a, b) => {
-            let is_and = matches!(p.exprs[id], Expr::And(..));
+            let whole = &p.exprs[id];
             let operand = |id: ExprId| {
+                let is_same = discriminant(&p.exprs[id]) == discriminant(whole);
                 let text = sub(id);
-                let is_same = match p.exprs[id] {
-                    Expr::And(..) => is_and,
-                    Expr::Or(..) => !is_and,
-                    _ => false,
-                };
-                let inner = text.strip_prefix('(').and_then(|text| text.strip_suffix(')'));
-                inner.filter(|_| is_same).map(str::to_string).unwrap_or(text)
+                let inner = text.strip_prefix('(').and_then(|text| text.strip_suffix(')')).filter(|_| is_same);
+                inner.map(str::to_string).unwrap_or(text)
             };
-            format!("({} {} {})", operand(a), if is_and { "and" } else { "or" }, operand(b))
+            let word = if matches!(whole, Expr::And(..)) { "and" } else { "or" };
+            format!("({} {word} {})", operand(a), operand(b))
         }
         Expr::Not(a) => format!("not {}", sub(a)),
         Expr::Button(press, button) => {

@@ -48,6 +48,13 @@ pub enum Control {
 }
 
 impl Simulator {
+    /// The buttons and axes of a player, each in the order of its entity.
+    pub fn controls(&self, player: PlayerId) -> impl Iterator<Item = Control> + use<'_> {
+        let entity = self.entity(self.world().players[player].slot);
+        let buttons = entity.buttons.ids().map(move |button| Control::Button(player, button));
+        buttons.chain(entity.axes.ids().map(move |axis| Control::Axis(player, axis)))
+    }
+
     /// Finds a button or axis by name, for a player by number.
     pub fn control(&self, player: u32, name: &str) -> Option<Control> {
         let id = self.world().players.find(|p| p.number == player)?;

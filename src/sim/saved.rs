@@ -6,6 +6,7 @@ use std::ops::{Deref, DerefMut};
 
 use crate::ir::{Id, SlotId};
 
+use super::fnv::Fnv;
 use super::simulator::Simulator;
 use super::state::{Life, buttons};
 
@@ -163,14 +164,12 @@ impl Simulator {
         must(touched.all(|tile| tile.index() < tiles), "a tile that it touches is none")
     }
 
-    /// A fingerprint of the meaning of a state's bytes: FNV-1a (Fowler, Noll, Vo) over the names and structure of the
-    /// world. Numbers, guards and edges of the program are not part of it.
+    /// A fingerprint of the meaning of a state's bytes: FNV-1a over the names and structure of the world. Numbers, guards and edges of the program are not part of it.
     fn fingerprint(&self) -> u64 {
-        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut hash = Fnv::new();
         let mut add = |text: &str| {
-            for byte in text.bytes().chain([0xff]) {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-            }
+            hash.add(text.as_bytes());
+            hash.add(&[0xff]);
         };
         for (slot, table) in self.world().slots.pairs() {
             let (entity, layout) = (self.entity(slot), self.layout(slot));
@@ -200,6 +199,6 @@ impl Simulator {
             add(&format!("{space} {cell}"));
         }
         self.world().players.iter().for_each(|player| add(&player.number.to_string()));
-        hash
+        hash.value()
     }
 }

@@ -385,9 +385,7 @@ impl Batch {
 
     /// A hash of the states of all rows: FNV-1a of 64 bits over their bytes.
     fn hash(&self) -> u64 {
-        self.batch.states().iter().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
+        sim::Fnv::of(self.batch.states())
     }
 
     fn __repr__(&self) -> String {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use hypedc::ask::Loaded;
 use hypedc::ir::WorldId;
 use hypedc::sim;
-use hypedc::sim::{Input, Run, State, TraceFormat, TraceLines};
+use hypedc::sim::{Input, Named, Run, State, TraceFormat, TraceLines};
 use hypedc::view::{Film, FilmOptions, Images, PlayerArea};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyKeyError;
@@ -236,20 +236,15 @@ impl Simulator {
     /// The goals that hold.
     #[getter]
     fn goals(&self) -> Vec<String> {
-        let (sim, state) = (self.run.simulator(), self.run.state());
-        if sim.left_bounds(state).is_some() {
-            return Vec::new();
-        }
-        let holds = sim.world().goals.pairs().filter(|(id, _)| sim.goal(state, *id) == Ok(true));
+        let holds = self.run.world().goals.pairs().filter(|(id, _)| self.holds(Named::Goal(*id)));
         holds.map(|(_, goal)| goal.name.clone()).collect()
     }
 
     /// Each `never` that holds.
     #[getter]
     fn nevers(&self) -> Vec<String> {
-        let (sim, state) = (self.run.simulator(), self.run.state());
-        let holds = sim.world().nevers.iter().filter(|never| sim.holds(state, never.holds) == Ok(true));
-        holds.map(|never| never.name.clone()).collect()
+        let holds = self.run.world().nevers.pairs().filter(|(id, _)| self.holds(Named::Never(*id)));
+        holds.map(|(_, never)| never.name.clone()).collect()
     }
 
     /// The player that has left the bounds of its space, which ends a run; None if none has.
@@ -288,9 +283,7 @@ impl Simulator {
 
     /// A hash of the state, the same on every machine: FNV-1a of 64 bits over its bytes.
     fn hash(&self) -> u64 {
-        self.run.state().iter().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
+        sim::Fnv::of(self.run.state())
     }
 
     /// The bytes of the state, in the layout of the world.
@@ -357,6 +350,11 @@ impl Simulator {
 }
 
 impl Simulator {
+    /// Whether a goal or a `never` holds.
+    fn holds(&self, part: Named) -> bool {
+        self.run.simulator().named_number(self.run.state(), part) != 0.0
+    }
+
     fn film<'s>(
         &'s self,
         images: &'s Images,

@@ -4,7 +4,6 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use hypedc::ask::{RunEnd, drive};
-use hypedc::ir::Id;
 use hypedc::sim::{Control, Named, Simulator};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
@@ -40,7 +39,7 @@ pub fn trace<'py>(
     let words = parts.iter().map(|part| sim.words(*part)).collect();
     let script = script(&of.loaded, id, inputs)?;
     let steps = steps.unwrap_or(script.len());
-    let controls = controls(&sim);
+    let controls: Vec<Vec<Control>> = sim.world().players.ids().map(|id| sim.controls(id).collect()).collect();
     let most = controls.iter().map(Vec::len).max().unwrap_or(0);
     let width = (parts.len() + controls.len() * most) as u64;
     if steps.saturating_add(1).saturating_mul(width.max(1)) > MAX_NUMBERS {
@@ -77,16 +76,4 @@ pub fn trace<'py>(
     let values = PyArray1::from_vec(py, values).reshape([rows, names.len()])?;
     let done = PyArray1::from_vec(py, done).reshape([taken, players, most])?;
     Ok((values, done, words, end))
-}
-
-/// The buttons and axes of each player.
-fn controls(sim: &Simulator) -> Vec<Vec<Control>> {
-    let of = |(id, player): (hypedc::ir::PlayerId, &hypedc::ir::Player)| {
-        let entity = &sim.program().entities[sim.world().slots[player.slot].entity];
-        let buttons = entity.buttons.ids().map(|button| Control::Button(id, button));
-        let axes = entity.axes.ids().map(|axis| Control::Axis(id, axis));
-        debug_assert!(id.index() < sim.world().players.len());
-        buttons.chain(axes).collect()
-    };
-    sim.world().players.pairs().map(of).collect()
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{Id, WorldId};
-use hypedc::sim::{Input, Run};
+use hypedc::sim::{Fnv, Input, Run};
 use hypedc::source::Files;
 use hypedc::studio::Level;
 use rand::{RngExt, SeedableRng};
@@ -51,7 +51,7 @@ pub(crate) fn random_steps(
     let mut run = first.clone();
     run.set_seed(of.seed);
     let mut rng = Pcg64::seed_from_u64(of.seed);
-    let (mut hash, mut restarts, mut left) = (Hash::new(), 0, of.steps);
+    let (mut hash, mut restarts, mut left) = (Fnv::new(), 0, of.steps);
     while left > 0 {
         let input = random_input(&first, &mut rng);
         for _ in 0..u64::from(rng.random_range(1..=MAX_HELD)).min(left) {
@@ -70,7 +70,7 @@ pub(crate) fn random_steps(
         }
     }
     hash.add(run.state());
-    Ok((hash.0, restarts))
+    Ok((hash.value(), restarts))
 }
 
 /// Each button is down with a probability of a third; each axis is at an end, in the middle, or in between.
@@ -90,19 +90,4 @@ fn random_input(run: &Run, rng: &mut Pcg64) -> Input {
         }
     }
     input
-}
-
-/// FNV-1a of 64 bits (Fowler, Noll, Vo).
-struct Hash(u64);
-
-impl Hash {
-    fn new() -> Hash {
-        Hash(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn add(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
-    }
 }

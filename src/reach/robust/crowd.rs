@@ -16,7 +16,7 @@ use std::sync::Arc;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::ir::{AxisId, ButtonId};
+use crate::ir::Id;
 use crate::parallel::{self, TaskContext};
 use crate::sim::Control;
 use crate::watch::{Meter, Progress, Watch};
@@ -418,14 +418,11 @@ pub(super) fn earliest(jitter: &Jitter) -> u64 {
 
 /// The buttons and axes of all players.
 pub(super) fn controls(course: &Course<'_>) -> Vec<Control> {
-    let (program, world) = (course.problem.sim.program(), course.problem.sim.world());
-    let mut all = Vec::new();
-    for player in world.players.ids() {
-        let unpressed = course.problem.unpressed(player.0 as usize);
-        let entity = &program.entities[world.slots[world.players[player].slot].entity];
-        let buttons = (0..entity.buttons.len() as u32).filter(|button| unpressed >> button & 1 == 0);
-        all.extend(buttons.map(|button| Control::Button(player, ButtonId(button))));
-        all.extend((0..entity.axes.len() as u32).map(|axis| Control::Axis(player, AxisId(axis))));
-    }
-    all
+    let problem = course.problem;
+    let is_used = |control: &Control| match control {
+        Control::Button(player, button) => problem.unpressed(player.index()) >> button.index() & 1 == 0,
+        Control::Axis(..) => true,
+    };
+    let players = problem.sim.world().players.ids();
+    players.flat_map(|player| problem.sim.controls(player)).filter(is_used).collect()
 }

@@ -139,3 +139,13 @@ fn ways_are_exchanged() {
         assert!(find(&program, "end", (seed, 200_000), Planner::Auto).is_some(), "{seed}");
     }
 }
+
+#[test]
+fn a_beam_that_is_stuck_gives_way_to_a_wider_one() {
+    let program = program(compile(Path::new("examples/platforms.hyped"), &Disk));
+    for seed in 1..=3 {
+        // Where no tree ended by itself, the first one wandered about for 14,000 steps.
+        let (plan, _) = find(&program, "flag", (seed, 200_000), Planner::Beam).unwrap();
+        assert!(plan.steps < 1_000, "seed {seed}: {} steps", plan.steps);
+    }
+}

@@ -6,6 +6,7 @@
 
 use hashbrown::HashMap;
 
+use crate::ir::Extremes;
 use crate::reach::coverage::PLACE;
 use crate::reach::distance::DistanceField;
 use crate::reach::metric::{Metric, Point};
@@ -25,6 +26,9 @@ const WIDEST: usize = 1 << 16;
 const PLACES: usize = 16;
 /// After so many times, a cell may be entered again: who waits for a platform stays where he is.
 const FORGETS: u32 = 4;
+/// After so many times in which none comes nearer to the goal, a wider tree begins: where cells are entered again, no tree
+/// ends by itself.
+const STUCK: u32 = 64;
 /// The holds of the trees, in turns, steps.
 const HOLDS: [u16; 3] = [8, 12, 6];
 /// The side of a cell, px, and the number of cells for the range of velocities.
@@ -52,6 +56,8 @@ pub(super) struct Beam<'m> {
     whole: u32,
     /// The number of times so far.
     layers: u32,
+    /// The least distance in the tree, places, and the number of times since it was reached.
+    nearest: (f64, u32),
     width: usize,
     /// Whether a layer had more states than were extended.
     is_cut: bool,
@@ -74,6 +80,7 @@ impl<'m> Beam<'m> {
             trees: 0,
             whole: 0,
             layers: 0,
+            nearest: (f64::INFINITY, 0),
             width: WIDTH,
             is_cut: false,
             layer: Vec::new(),
@@ -91,6 +98,7 @@ impl<'m> Beam<'m> {
         }
         self.trees += 1;
         self.is_cut = false;
+        self.nearest = (f64::INFINITY, 0);
         self.done = 0;
         self.layer.clear();
         self.next.clear();
@@ -126,10 +134,17 @@ impl<'m> Beam<'m> {
         });
         self.layer.truncate(self.width);
         self.is_cut |= self.layer.len() < count;
+        let distance = self.layer.iter().map(|candidate| candidate.distance).fold(f64::INFINITY, f64::least);
+        self.nearest = if distance < self.nearest.0 { (distance, 0) } else { (self.nearest.0, self.nearest.1 + 1) };
+        self.is_cut |= self.is_stuck();
         self.layers += 1;
         if self.layers.is_multiple_of(FORGETS) {
             self.soonest.clear();
         }
+    }
+
+    fn is_stuck(&self) -> bool {
+        self.nearest.1 >= STUCK
     }
 
     fn hold(&self, context: &SearchContext<'_>) -> u16 {
@@ -167,7 +182,7 @@ impl Strategy for Beam<'_> {
     }
 
     fn is_over(&self) -> bool {
-        self.done == self.layer.len() && self.next.is_empty()
+        self.done == self.layer.len() && (self.next.is_empty() || self.is_stuck())
     }
 
     fn is_spent(&self) -> bool {

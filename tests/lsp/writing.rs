@@ -388,7 +388,8 @@ fn an_editor_with_a_grammar_hears_of_names_alone() {
 fn hints_stand_between_the_words() {
     let mut session = Session::new(&[]);
     session.open("slime.hyped", SLIME);
-    session.client.settle();
+    // The verdicts above goals have come, too.
+    session.client.asked();
     let whole = json!({ "range": { "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } } });
     session.ask("textDocument/inlayHint", "slime.hyped", whole);
     session.ask("textDocument/codeLens", "slime.hyped", json!({}));

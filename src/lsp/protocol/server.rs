@@ -192,6 +192,8 @@ impl Server {
                         if !self.message(message) {
                             return self.has_shut_down;
                         }
+                        // Findings do not wait behind all requests of a key.
+                        events.try_iter().for_each(|event| self.event(event));
                     }
                 }
                 recv(events) -> event => {
@@ -417,10 +419,8 @@ impl Server {
                     types::Id::String(text) => RequestId::from(text),
                 };
                 self.tasks.cancel(&id);
-                if let Some(at) = self.waiting.iter().position(|(request, _)| request.id == id) {
-                    self.waiting.remove(at);
-                    self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
-                } else if self.live.cancel(&id) {
+                let waits = self.waiting.iter().position(|(request, _)| request.id == id);
+                if waits.map(|at| self.waiting.remove(at)).is_some() || self.live.cancel(&id) {
                     self.respond::<()>(id, Err(Failure::new(ErrorCode::RequestCanceled, "cancelled")));
                 }
             }

@@ -392,6 +392,10 @@ fn the_way_ends_where_the_map_says_so() {
     assert_eq!((way.barrier, way.column, way.tiles), (Barrier::Gap, Some(5), Some(7.0)), "{way:?}");
     let way = level(&[air, air, air, air, air, air, "#####..............."], None);
     assert_eq!((way.barrier, way.column, way.size), (Barrier::Gap, Some(5), None), "{way:?}");
+    // A ceiling and a ledge that are too high to jump on are no ends of the gap.
+    let high = ".......##...........";
+    let way = level(&[ground, air, high, air, air, air, "#####.......########"], None);
+    assert_eq!((way.barrier, way.column, way.tiles), (Barrier::Gap, Some(5), Some(7.0)), "{way:?}");
     // What a jump clears bars nothing: there, the time is too short.
     let low = "..........##........";
     let way = level(&[air, air, air, air, air, low, ground], Some(150));

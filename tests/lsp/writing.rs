@@ -387,9 +387,12 @@ fn an_editor_with_a_grammar_hears_of_names_alone() {
 #[test]
 fn hints_stand_between_the_words() {
     let mut session = Session::new(&[]);
+    // What a search finds may come before or after the lenses.
+    session
+        .client
+        .notify("workspace/didChangeConfiguration", json!({ "settings": { "hypedc": { "verdicts": false } } }));
     session.open("slime.hyped", SLIME);
-    // The verdicts above goals have come, too.
-    session.client.asked();
+    session.client.settle();
     let whole = json!({ "range": { "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } } });
     session.ask("textDocument/inlayHint", "slime.hyped", whole);
     session.ask("textDocument/codeLens", "slime.hyped", json!({}));

@@ -178,10 +178,14 @@ impl Terrain<'_> {
             return self.unknown(stand);
         }
         let stand = self.moved(stand, sign * edge, sign);
-        let next = tops.iter().filter(|(_, to, _)| *to > edge + SEAM).map(|(from, ..)| from.greatest(edge));
-        let next = next.fold(f64::INFINITY, f64::least);
+        let ahead = || tops.iter().filter(|(_, to, _)| *to > edge + SEAM);
+        let is_in_reach = |top: &&(f64, f64, f64)| top.2 - feet <= seen.highest.size;
+        // What is too high to jump on, like a ceiling, is no end of a gap as long as there is another one.
+        let is_any_in_reach = ahead().any(|top| is_in_reach(&top));
+        let ends = || ahead().filter(|top| !is_any_in_reach || is_in_reach(top));
+        let next = ends().map(|(from, ..)| from.greatest(edge)).fold(f64::INFINITY, f64::least);
         let width = next - edge;
-        let beyond = tops.iter().filter(|(from, to, _)| from.greatest(edge) <= next + SEAM && *to > edge + SEAM);
+        let beyond = ends().filter(|(from, ..)| from.greatest(edge) <= next + SEAM);
         let rise = beyond.map(|(.., y)| y - feet).fold(f64::INFINITY, f64::least).greatest(0.0);
         if next == f64::INFINITY {
             let words = format!("{}: no footing from there to the goal, and {}", self.ends(&stand), longest(seen));

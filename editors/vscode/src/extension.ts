@@ -23,6 +23,7 @@ import { HypedServer, type Level, Levels, type World } from './server';
 import { Paints } from './paint';
 import { Tests } from './tests';
 import { Timelines } from './timeline';
+import { OutdatedVerdicts, type Verdicts } from './verdicts';
 
 /** A client without error messages of its own until the server has responded: `startServer` reports a failed start. */
 class Client extends LanguageClient {
@@ -59,6 +60,8 @@ let client: Client | undefined;
 let log: vscode.OutputChannel;
 /** What is told when the server has started. */
 const started: (() => void)[] = [];
+/** What is out of date of the verdicts that the server told. */
+let outdated: OutdatedVerdicts;
 /** The prefixes of the snippets in `contributes.snippets`. */
 let prefixes: Set<string>;
 
@@ -74,6 +77,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const charts = new Charts(server, timelines);
   const paints = new Paints(server);
   const explanations = new Explanations(server);
+  outdated = new OutdatedVerdicts();
   started.push(
     () => tests.listSoon(),
     () => timelines.restarted(),
@@ -88,6 +92,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     ...charts.disposables,
     ...paints.disposables,
     ...explanations.disposables,
+    ...outdated.disposables,
     vscode.commands.registerCommand('hypedc.paint', (uri?: string, world?: string) =>
       withWorld(uri, world, async (at, of) => {
         // An open map has nothing to paint without a level.
@@ -132,6 +137,7 @@ export async function deactivate(): Promise<void> {
 async function stopServer(): Promise<void> {
   const old = client;
   client = undefined;
+  outdated.forget();
   await old?.dispose();
 }
 
@@ -186,6 +192,7 @@ async function startServer(): Promise<void> {
   };
   const starting = new Client('hypedc', 'Hyped', server, options);
   starting.registerFeature(commandsOfEditor);
+  starting.onNotification('hypedc/verdicts', (told: Verdicts) => outdated.show(told));
   const usual = starting.createDefaultErrorHandler();
   client = starting;
   const startup = starting.start();

@@ -40,6 +40,9 @@ const client = {
       return this.stop();
     }
     createDefaultErrorHandler() {}
+    onNotification(method, tell) {
+      this.told = { ...this.told, [method]: tell };
+    }
     registerFeature(feature) {
       this.features = [...(this.features ?? []), feature];
     }
@@ -161,4 +164,18 @@ test('a path that is not there is told, and a new one starts the server anew', a
   assert.ok(clients[0].stopped);
   assert.equal(clients[1].server.command, path);
   assert.match(seen.errors.splice(0).join(), /could not be started.*no such command/);
+});
+
+test('a goal whose verdict is out of date fades until it is asked again', async () => {
+  const document = await open(join(root, 'examples/car.hyped'));
+  const editor = { document, faded: [], setDecorations: (type, ranges) => (editor.faded = type.options.opacity ? ranges : editor.faded) };
+  vscode.window.visibleTextEditors = [editor];
+  const of = (name, isCurrent) => ({ world: 'Speedway', kind: 'goal', name, isCurrent });
+  const tell = (verdicts) => clients.at(-1).told['hypedc/verdicts']({ uri: document.uri.toString(), verdicts });
+  const lines = () => editor.faded.map(({ start }) => document.lineAt(start.line).text.trim().slice(0, 8));
+  tell([of('half', true), of('lap', false), of('gone', false)]);
+  assert.deepEqual(lines(), ['goal lap']);
+  tell([of('half', true), of('lap', true)]);
+  assert.deepEqual(lines(), []);
+  vscode.window.visibleTextEditors = [];
 });

@@ -29,7 +29,7 @@ pub(in crate::cli) struct CorpusArgs {
     pub tolerance: f64,
     /// Asks one of several parts of the questions, for several machines: `3/8` is the third of eight. `hypedc merge` joins
     /// the files of all parts.
-    #[arg(long, value_name = "I/N", value_parser = Shard::read, requires = "results", conflicts_with = "baseline")]
+    #[arg(long, value_name = "I/N", value_parser = Shard::read, requires = "results")]
     pub shard: Option<Shard>,
     /// Divides the questions so that all shards take about as long, by the times of an older run, whose `--results` file
     /// this is. All shards need the same one.

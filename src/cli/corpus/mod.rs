@@ -247,7 +247,12 @@ impl Run<'_> {
         };
         // A wrong analysis is never expected.
         let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());
-        Ok(if is_no || is_stopped || is_refuted { Exit::No } else { Exit::Yes })
+        Ok(match is_stopped && args.corpus.shard.is_some() {
+            // Schedulers may take an answer of no as done: that a shard is not done must show.
+            true => Exit::Refused,
+            false if is_no || is_stopped || is_refuted => Exit::No,
+            false => Exit::Yes,
+        })
     }
 }
 

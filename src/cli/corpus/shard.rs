@@ -20,6 +20,13 @@ pub(super) fn header(
     targets: &[(Kind, String)],
 ) -> Result<Option<ShardHeader>, String> {
     let Some(shard) = args.corpus.shard else { return Ok(None) };
+    if args.corpus.baseline.is_some() {
+        return Err(
+            "`--baseline` compares whole runs: join the shards by `hypedc merge`, then give the joined file as \
+                    `--results` to the same command without `--shard`, which asks nothing again"
+                .to_string(),
+        );
+    }
     let key = |level: &Level, (kind, goal): &(Kind, String)| Key {
         level: level.path.as_ref().map(|path| path.display().to_string()),
         kind: *kind,

@@ -6,7 +6,7 @@ Lengths are in pixels (px), times in seconds (s), y points up.
 from __future__ import annotations
 
 from hyped._ask import bounds, check, compile, reach, stuck, tune, why, with_level
-from hyped._errors import CompileError, Diagnostic, HypedError, Place, QuestionError, StepError
+from hyped._errors import CompileError, Diagnostic, HypedError, Place, QuestionError, StepError, UnknownNameError
 from hyped._hyped import Batch, Event, Planes, Program, Simulator, Variables, World
 from hyped._registration import register as _register
 from hyped._results import Answer, Bounds, Reached, Stuck, Trace, Tuned, Why, Witness, trace
@@ -36,6 +36,7 @@ __all__ = [
     "Stuck",
     "Trace",
     "Tuned",
+    "UnknownNameError",
     "Variables",
     "Why",
     "Witness",

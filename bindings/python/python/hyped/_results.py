@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hyped import _hyped
+from hyped._errors import UnknownNameError
 
 if TYPE_CHECKING:
     import pandas
@@ -151,7 +152,8 @@ class Reached(Mapping[str, Answer]):
         for answer in self.answers:
             if answer.name == name:
                 return answer
-        raise KeyError(f"no answer to {name!r}; there is {', '.join(answer.name for answer in self.answers) or 'none'}")
+        known = ", ".join(answer.name for answer in self.answers) or "none"
+        raise UnknownNameError(f"no answer to {name!r}; there is {known}")
 
     def __iter__(self) -> Any:
         return iter([answer.name for answer in self.answers])
@@ -243,7 +245,7 @@ class Bounds:
                 lows = [float("-inf") if low is None else low for low, _ in ends]
                 highs = [float("inf") if high is None else high for _, high in ends]
                 return (min(lows), max(highs))
-        raise KeyError(f"no variable {name!r}")
+        raise UnknownNameError(f"no variable {name!r}")
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ mod view;
 
 use std::sync::Arc;
 
-use crate::ir::{GoalId, NeverId, World};
-use crate::sim::{Control, Fault, Input, Run, Scratch, Simulator, State};
+use crate::ir::{AxisId, ButtonId, GoalId, Id, NeverId, World};
+use crate::sim::{Control, Fault, Input, PlayerInput, Run, Scratch, Simulator, State};
 
 pub use planes::{PlaneChoice, Planes};
 pub use view::{Variables, View};
@@ -115,12 +115,43 @@ struct Shared {
     first: State,
     /// What comes of the first state.
     begun: (Status, u32, Option<Fault>),
-    controls: Vec<Control>,
     /// Number of numbers that a row takes as its input.
     width: usize,
-    /// The place of each control in the input of a row.
-    places: Vec<usize>,
+    /// Where the input of each player is among them.
+    players: Vec<Places>,
     rows: u64,
+}
+
+/// The places of a player's buttons and axes among the numbers of a row's input.
+#[derive(Default)]
+struct Places {
+    buttons: Vec<(usize, ButtonId)>,
+    axes: Vec<(usize, AxisId)>,
+}
+
+impl Places {
+    fn of(controls: &[Control], from: usize) -> Places {
+        let mut places = Places::default();
+        for (at, control) in (from..).zip(controls) {
+            match *control {
+                Control::Button(_, button) => places.buttons.push((at, button)),
+                Control::Axis(_, axis) => places.axes.push((at, axis)),
+            }
+        }
+        places
+    }
+
+    /// Sets a player's input. Without branches on the numbers: those of a batch are as good as random.
+    #[inline]
+    fn read<T: Sample>(&self, numbers: &[T], input: &mut PlayerInput) {
+        let bit = |&(at, button): &(usize, ButtonId)| u64::from(numbers[at].number() != 0.0) << button.index();
+        input.buttons = self.buttons.iter().map(bit).fold(0, |all, bit| all | bit);
+        for &(at, axis) in &self.axes {
+            let number = numbers[at].number();
+            // NaN is no direction.
+            input.axes[axis.index()] = if number.is_nan() { 0.0 } else { number.clamp(-1.0, 1.0) };
+        }
+    }
 }
 
 /// Many runs of one world.
@@ -156,11 +187,9 @@ impl Batch {
         let players: Vec<Vec<Control>> =
             sim.world().players.ids().map(|player| sim.controls(player).collect()).collect();
         let per_player = players.iter().map(Vec::len).max().unwrap_or(0);
-        let places = players.iter().enumerate().flat_map(|(at, of)| (0..of.len()).map(move |i| at * per_player + i));
         let mut shared = Shared {
-            places: places.collect(),
             width: players.len() * per_player,
-            controls: players.into_iter().flatten().collect(),
+            players: players.iter().enumerate().map(|(at, of)| Places::of(of, at * per_player)).collect(),
             begun: (Status::Running, 0, None),
             rows: rows as u64,
             first,
@@ -309,8 +338,8 @@ impl<'b> Part<'b> {
                 }
                 continue;
             }
-            for (control, place) in shared.controls.iter().zip(&shared.places) {
-                worker.input.set(*control, numbers[*place].number());
+            for (places, input) in shared.players.iter().zip(&mut worker.input.0) {
+                places.read(numbers, input);
             }
             shared.step(state, row, worker);
         }
@@ -379,6 +408,9 @@ impl Shared {
             return;
         }
         row.steps += 1;
-        (row.status, row.which, row.fault) = self.judge(state, row.steps);
+        let (status, which, fault) = self.judge(state, row.steps);
+        if status != Status::Running {
+            (row.status, row.which, row.fault) = (status, which, fault);
+        }
     }
 }

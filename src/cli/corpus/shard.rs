@@ -35,8 +35,8 @@ pub(super) fn header(
     let keys: Vec<Key> = levels.iter().flat_map(|level| targets.iter().map(move |target| key(level, target))).collect();
     if shard.count as usize > keys.len() {
         return Err(format!(
-            "`--shard {shard}`: there {} (levels: {}, goals: {}), and each shard needs one",
-            if keys.len() == 1 { "is 1 question".to_string() } else { format!("are {} questions", keys.len()) },
+            "`--shard {shard}`: {} questions (levels: {}, goals: {}) make at most as many shards",
+            keys.len(),
             levels.len(),
             targets.len()
         ));

@@ -58,10 +58,14 @@ fn text(merged: &Merged<'_>, args: &MergeArgs) -> String {
     let are = if missing == 1 { "is" } else { "are" };
     out.push_str(&format!("{missing} of {} {are} missing\n", counted(merged.questions, "question")));
     merged.incomplete.iter().for_each(|shard| out.push_str(&shard_text(shard)));
-    let shards: Vec<String> = merged.incomplete.iter().map(|of| format!("`--shard {}`", of.shard)).collect();
-    let go_on = if shards.len() == 1 { "its command goes on" } else { "their commands go on" };
+    let mut shards: Vec<String> = merged.incomplete.iter().map(|of| format!("`--shard {}`", of.shard)).collect();
+    if shards.len() > MAX_LISTED {
+        shards.truncate(MAX_LISTED);
+        shards.push("…".to_string());
+    }
     out.push_str(&format!(
-        "{go_on} with what is missing; `--results {}` without `--shard` does all of it here\n",
+        "{} and the same options go on; so does `--results {}` without `--shard`, for all of it\n",
+        shards.join(", "),
         args.output.display()
     ));
     out

@@ -5,7 +5,7 @@ use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
 use super::{corpus, diff, reach, tune};
-use crate::ask::{bounds_schema, reach_schema, sim_schema, stuck_schema, why_schema};
+use crate::ask::{bounds_schema, exploration_schema, reach_schema, sim_schema, stuck_schema, why_schema};
 use crate::corpus::{Row, ShardHeader};
 use crate::diagnostic::render;
 use crate::experiment::Report;
@@ -21,7 +21,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("findings", closed(render::json_schema(), "Findings of `hypedc check --format json`")),
         ("bounds", closed(bounds_schema(), "What `hypedc bounds --format json` writes")),
         ("results", closed(reach_schema(), "What `hypedc reach --format json` writes")),
-        ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
+        ("exploration", closed(exploration_schema(), "What `hypedc reach --explore --format json` writes")),
         ("skill", closed(reach::skill_schema(), "What `hypedc reach --skill --format json` writes")),
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("stuck", closed(stuck_schema(), "What `hypedc stuck --format json` writes")),

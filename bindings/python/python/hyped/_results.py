@@ -194,6 +194,26 @@ def answers(
 
 
 @dataclass(frozen=True)
+class Explored:
+    """What a search without a question covered; ``docs/formats/results.md`` explains the fields of ``record``."""
+
+    world: str
+    spaces: dict[str, bool]
+    """Whether a player was in each space."""
+    cells: tuple[int, int]
+    """Cells of the maps that a player was in, and all that are open to players."""
+    floors: tuple[int, int]
+    """Upper sides of tiles that a player stood on, and all on which players can stand."""
+    modes: dict[tuple[str, str], bool]
+    """Whether an instance was in each mode, by entity and path of the mode."""
+    broken: dict[str, Witness] = field(repr=False)
+    """A way to break each ``never`` that was met."""
+    nodes: int
+    interrupted: bool
+    record: dict[str, Any] = field(repr=False)
+
+
+@dataclass(frozen=True)
 class Why:
     """Why an instance did what it did in a step, or how near it came; ``docs/commands/why.md`` explains the fields."""
 

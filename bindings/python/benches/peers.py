@@ -2,8 +2,8 @@
 
     python benches/peers.py [ROUNDS]
 
-Measures short rounds of each alternately, so that other load affects all of them, and prints one table of medians. What is
-not installed is left out. Needs ``rustc``, and for the peers ``pip install ale-py procgen gym-super-mario-bros
+Measures short rounds of each alternately, so that other load affects all of them, and prints one table of medians. What
+is not installed is left out. Needs ``rustc``, and for the peers ``pip install ale-py procgen gym-super-mario-bros
 'numpy<2'`` on Python 3.9 or 3.10.
 """
 

@@ -221,7 +221,12 @@ def test_what_is_covered_is_that_of_the_command_line(hypedc: str) -> None:
         command = [hypedc, "reach", path, "--explore", "--format", "json", *arguments]
         shown = subprocess.run(command, capture_output=True, text=True, check=False)
         assert plain(found.record) == plain(json.loads(shown.stdout))
-        assert 0 < found.cells[0] < found.cells[1] and any(found.modes.values()) and all(found.spaces) and not found.interrupted
+        assert (
+            0 < found.cells[0] < found.cells[1]
+            and any(found.modes.values())
+            and all(found.spaces)
+            and not found.interrupted
+        )
     died = hyped.explore(hyped.compile(BALL), nodes=500).broken["low"]
     assert died.simulator()["never.low"]
     with pytest.raises(hyped.QuestionError, match="planner"):

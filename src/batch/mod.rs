@@ -14,7 +14,7 @@ use std::sync::Arc;
 use crate::ir::{AxisId, ButtonId, ExprId, GoalId, Id, NeverId, World};
 use crate::sim::{Control, Fault, Input, PlayerInput, Run, Scratch, Simulator, State};
 
-use condition::Condition;
+use condition::{Borders, Condition};
 pub use planes::{PlaneChoice, Planes};
 pub use view::{Variables, View};
 
@@ -140,6 +140,7 @@ struct Shared {
     sim: Arc<Simulator>,
     nevers: Vec<(NeverId, Condition)>,
     goals: Vec<(GoalId, Condition)>,
+    borders: Borders,
     within: Option<u64>,
     /// The state before the first step.
     first: State,
@@ -218,12 +219,14 @@ impl Batch {
             sim.world().players.ids().map(|player| sim.controls(player).collect()).collect();
         let per_player = players.iter().map(Vec::len).max().unwrap_or(0);
         let program = Arc::clone(sim.program());
-        let condition = |holds: ExprId| Condition::new(&program, holds);
+        let world = sim.world_id();
+        let condition = |holds: ExprId| Condition::new(&program, &program.worlds[world], holds);
         let mut shared = Shared {
             width: players.len() * per_player,
             players: players.iter().enumerate().map(|(at, of)| Places::of(of, at * per_player)).collect(),
             nevers: rules.nevers.iter().map(|&id| (id, condition(sim.world().nevers[id].holds))).collect(),
             goals: rules.goals.iter().map(|&id| (id, condition(sim.world().goals[id].holds))).collect(),
+            borders: Borders::new(&program.worlds[world]),
             within: rules.within,
             begun: None,
             rows: rows as u64,
@@ -304,7 +307,7 @@ impl Shared {
     }
 
     /// How a run ends in a state, if it does: as a search judges it, `never`s first, then bounds, then goals.
-    #[inline]
+    #[inline(always)]
     fn judge(&self, state: &[u8], steps: u64) -> Option<Ending> {
         let sim = &*self.sim;
         for (never, condition) in &self.nevers {
@@ -314,7 +317,7 @@ impl Shared {
                 Err(fault) => return Ending::fault(fault),
             }
         }
-        if sim.left_bounds(state).is_some() {
+        if self.borders.are_left(sim, state) {
             return Ending::of(Status::Outside, 0);
         }
         for (goal, condition) in &self.goals {
@@ -425,7 +428,7 @@ impl Shared {
         *row = self.begin(row.seed.wrapping_add(self.rows));
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut [u8], row: &mut Row, worker: &mut Worker) {
         let Worker { scratch, input, drawn, before } = worker;
         before.copy_from_slice(state);

@@ -37,7 +37,7 @@ def test_parts_of_the_state_are_read_and_written(run: hyped.Simulator) -> None:
         assert run.hash() == before
     with pytest.raises(KeyError, match="ball.x") as caught:
         run["ball.xx"]
-    # It prints as other errors do, where KeyError shows line breaks as \\n.
+    # It prints as other errors do, where KeyError shows line breaks as \n.
     assert isinstance(caught.value, hyped.UnknownNameError) and "\\n" not in str(caught.value)
 
 

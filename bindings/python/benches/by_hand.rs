@@ -1,4 +1,4 @@
-//! Test 1 of the paper written by hand in Rust, as the measure for the batches of `peers.py`, which compiles and runs it.
+//! Test 1 of the paper written by hand in Rust: the measure for the batches of `peers.py`, which compiles and runs it.
 //! Each line that it reads asks for a round; it prints the frames a second of one run after the other, and of a batch.
 
 #[path = "../../../benches/yardstick/mod.rs"]

@@ -2,8 +2,8 @@
 
     python benches/peers.py [ROUNDS]
 
-Measures short rounds of each alternately, in processor time, so that other load affects all of them, and prints one table
-of medians. What is not installed is left out. Needs ``rustc``, and for the peers ``pip install ale-py procgen
+Measures short rounds of each alternately, in processor time, so that other load affects all of them, and prints one
+table of medians. What is not installed is left out. Needs ``rustc``, and for the peers ``pip install ale-py procgen
 gym-super-mario-bros 'numpy<2'`` on Python 3.9 or 3.10.
 """
 
@@ -174,9 +174,7 @@ def main() -> None:
         for _ in range(rounds):
             for (_, measure), numbers in zip(measures, found):
                 numbers.append(measure())
-    rows = [
-        (name, each) for (names, _), numbers in zip(measures, found) for name, each in zip(names, zip(*numbers))
-    ]
+    rows = [(name, each) for (names, _), numbers in zip(measures, found) for name, each in zip(names, zip(*numbers))]
     reference = rows[0][1]
     width = max(len(name) for name, _ in rows)
     version = f"hyped {importlib.metadata.version('hyped')}, Python {platform.python_version()}, NumPy {np.__version__}"

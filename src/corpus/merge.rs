@@ -288,6 +288,8 @@ fn difference(one: &Value, other: &Value, first_file: &str, second_file: &str) -
 
 #[cfg(test)]
 mod tests {
+    use std::slice::from_ref;
+
     use super::*;
     use crate::corpus::row::Timing;
     use crate::corpus::row::tests::row;
@@ -417,8 +419,8 @@ mod tests {
         assert!(error.contains("depend on the machine"), "{error}");
         let failed = Row { error: Some("cannot read it".into()), ..row("a") };
         for parts in [
-            [file("1", None, &[failed.clone()]), file("2", None, &[row("a")])],
-            [file("2", None, &[row("a")]), file("1", None, &[failed.clone()])],
+            [file("1", None, from_ref(&failed)), file("2", None, &[row("a")])],
+            [file("2", None, &[row("a")]), file("1", None, from_ref(&failed))],
         ] {
             assert_eq!(merge(&parts).unwrap().rows[0].row.error, None, "what could be asked counts");
         }

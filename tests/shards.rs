@@ -1,5 +1,5 @@
-//! `hypedc reach --shard` and `hypedc merge`: the parts of a run together are the whole, whatever their number and costs;
-//! shards that are killed go on; files that do not belong together are refused.
+//! `hypedc reach --shard` and `hypedc merge`: the parts of a run together are the whole, whatever their number and
+//! costs; shards that are killed go on; files that do not belong together are refused.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

@@ -1,5 +1,5 @@
-//! What a search without a question covered, as a record: rooms, tiles that players stood on, cells, modes, edges. What was
-//! not found may still be there: it never says that something cannot be reached.
+//! What a search without a question covered, as a record: rooms, tiles that players stood on, cells, modes, edges. What
+//! was not found may still be there: it never says that something cannot be reached.
 
 use std::path::Path;
 

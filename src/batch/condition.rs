@@ -1,6 +1,6 @@
-//! What ends the runs of a batch, as it is decided for each row after each step: predicates, and the borders of the space.
-//! The frequent forms read numbers of the state by their offsets; all others are evaluated as everywhere. Both have the
-//! same answer, bit for bit.
+//! What ends the runs of a batch, as it is decided for each row after each step: predicates, and the borders of the
+//! space. The frequent forms read numbers of the state by their offsets; all others are evaluated as everywhere. Both
+//! have the same answer, bit for bit.
 
 use crate::ir::{Bounds, CompareOp, Expr, ExprId, Program, SlotId, Subject, VarId, World, compare};
 use crate::sim::{Fault, Simulator};

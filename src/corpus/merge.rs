@@ -1,5 +1,5 @@
-//! Joins files of rows: those of shards, or of runs over different levels. Refuses rows that do not belong together, and
-//! says what is missing. The result has the rows that one run on one machine would have, in the same order.
+//! Joins files of rows: those of shards, or of runs over different levels. Refuses rows that do not belong together,
+//! and says what is missing. The result has the rows that one run on one machine would have, in the same order.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -64,7 +64,7 @@ pub fn merge(parts: &[Part]) -> Result<Merged<'_>, String> {
     let Some(first) = parts.first() else { return Err("these files hold no rows".to_string()) };
     if let (Some(shard), Some(other)) = (headers.first(), parts.iter().find(|part| part.record.shard.is_none())) {
         return Err(format!(
-            "`{}` is the file of a shard, and `{}` is not: give either the files of all shards of a run, or only others",
+            "`{}` is the file of a shard, and `{}` is not: give the files of all shards of a run, or only others",
             shard.0, other.name
         ));
     }
@@ -107,8 +107,8 @@ fn is_same_run(one: (&str, &ShardHeader), other: (&str, &ShardHeader)) -> Result
     let ((a, first), (b, second)) = (one, other);
     let differs = |what: String| {
         Err(format!(
-            "`{b}` is of another run than `{a}`: {what}; run the shards again that differ, each with its file: rows that \
-             are still right are kept"
+            "`{b}` is of another run than `{a}`: {what}; run the shards again that differ, each with its file: rows \
+             that are still right are kept"
         ))
     };
     let not = |what: &str, now: &dyn std::fmt::Display, before: &dyn std::fmt::Display| {
@@ -162,8 +162,8 @@ impl<'p> Rows<'p> {
         };
         if let Some(what) = changed {
             return Err(format!(
-                "{what} was changed in between: of {} `{}` has another one than `{}`; run both again, rows that are still \
-                 right are kept",
+                "{what} was changed in between: of {} `{}` has another one than `{}`; run both again, rows that are \
+                 still right are kept",
                 key.level_name(),
                 new.file,
                 level.file

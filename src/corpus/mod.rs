@@ -1,6 +1,6 @@
 //! One query on many levels: rows with the results, the file from which a later run resumes, JUnit for continuous
-//! integration, comparison with an older run, shards for several machines. Plain data and functions; the caller runs the
-//! searches, and owns threads and clock.
+//! integration, comparison with an older run, shards for several machines. Plain data and functions; the caller runs
+//! the searches, and owns threads and clock.
 
 mod baseline;
 mod formats;

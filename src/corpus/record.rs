@@ -1,8 +1,8 @@
 //! The file of rows, one line of JSON each: parsing, recovery after a truncated line, sorting.
 //!
 //! Rows are appended as they are done, so that a killed process loses at most the line that it was writing. When all
-//! are done, the file is rewritten in the order of the questions; lines stay byte for byte as they are. The file of a shard
-//! begins with a header.
+//! are done, the file is rewritten in the order of the questions; lines stay byte for byte as they are. The file of a
+//! shard begins with a header.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -43,7 +43,8 @@ pub struct Record {
     pub rows: BTreeMap<Key, StoredRow>,
     /// The keys in the order of their first rows.
     pub order: Vec<Key>,
-    /// What the file is a shard of; of several headers the last counts: a shard that goes on with another plan appends one.
+    /// What the file is a shard of; of several headers the last counts: a shard that goes on with another plan appends
+    /// one.
     pub shard: Option<ShardHeader>,
     /// Number of bytes in complete lines; the rest was truncated.
     pub whole: usize,

@@ -148,8 +148,8 @@ impl SlotLayout {
         self.vars + 24 * var.index() + 8 * usize::from(degree)
     }
 
-    /// Where a continuous variable or one of its derivatives is in a state, for code that reads it often; none of an instance
-    /// that never moves.
+    /// Where a continuous variable or one of its derivatives is in a state, for code that reads it often; none of an
+    /// instance that never moves.
     pub(crate) fn moving_offset(&self, var: VarId, degree: u8) -> Option<usize> {
         self.rest.is_none().then(|| self.var_offset(var, degree))
     }

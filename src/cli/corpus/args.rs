@@ -27,12 +27,12 @@ pub(in crate::cli) struct CorpusArgs {
     /// The difference in the length of a path, in percent of the baseline, above which it is listed.
     #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = percent, requires = "baseline")]
     pub tolerance: f64,
-    /// Asks one of several parts of the questions, for several machines: `3/8` is the third of eight. `hypedc merge` joins
-    /// the files of all parts.
+    /// Asks one of several parts of the questions, for several machines: `3/8` is the third of eight. `hypedc merge`
+    /// joins the files of all parts.
     #[arg(long, value_name = "I/N", value_parser = Shard::read, requires = "results")]
     pub shard: Option<Shard>,
-    /// Divides the questions so that all shards take about as long, by the times of an older run, whose `--results` file
-    /// this is. All shards need the same one.
+    /// Divides the questions so that all shards take about as long, by the times of an older run, whose `--results`
+    /// file this is. All shards need the same one.
     #[arg(long, value_name = "FILE.jsonl", requires = "shard")]
     pub costs: Option<PathBuf>,
 }

@@ -91,6 +91,36 @@ fn rows_are_single_runs_in_whatever_parts() {
     }
 }
 
+/// What ends runs is decided from offsets where it can be; the simulator evaluates it.
+#[test]
+fn runs_end_as_the_simulator_says() {
+    let mut ended = 0;
+    for (name, program, id) in closed() {
+        let sim = Arc::new(Simulator::new(&program, id));
+        let world = sim.world();
+        let mut batch = Batch::new(Arc::clone(&sim), ROWS, 3, Rules::of(world)).unwrap();
+        let mut worker = batch.worker();
+        for step in 0..400 {
+            let inputs = inputs(&batch, step);
+            batch.whole().step(&inputs, true, &mut worker);
+            for (at, row) in batch.rows().iter().enumerate().filter(|(_, row)| row.status != Status::Fault) {
+                let state = batch.state(at).unwrap();
+                let never = world.nevers.pairs().find(|(_, never)| sim.holds(state, never.holds).unwrap());
+                let goal = world.goals.pairs().find(|(_, goal)| sim.holds(state, goal.holds).unwrap());
+                let expected = match (never, sim.left_bounds(state), goal) {
+                    (Some((id, _)), ..) => (Status::Never, id.0),
+                    (None, Some(_), _) => (Status::Outside, 0),
+                    (None, None, Some((id, _))) => (Status::Goal, id.0),
+                    (None, None, None) => (Status::Running, 0),
+                };
+                assert_eq!((row.status, row.which), expected, "{name}, row {at}, step {step}");
+                ended += usize::from(expected.0 != Status::Running);
+            }
+        }
+    }
+    assert!(ended > 200, "{ended}");
+}
+
 #[test]
 fn a_step_and_an_observation_allocate_nothing() {
     for (name, program, world) in closed() {

@@ -47,7 +47,7 @@ world Open {
 ";
 
 /// An open level, one with a step, one with a wall that is too high, one with a pit.
-const LEVELS: [(&str, &str); 4] = [
+pub const LEVELS: [(&str, &str); 4] = [
     ("a", "..........\n..........\nP........F\n##########\n"),
     ("b", "..........\n..........\nP....#...F\n##########\n"),
     ("c", ".....#....\n.....#....\n.....#....\n.....#....\n.....#....\nP....#...F\n##########\n"),
@@ -55,10 +55,10 @@ const LEVELS: [(&str, &str); 4] = [
 ];
 
 /// A separate folder with the game and its levels.
-struct TestFolder(PathBuf);
+pub struct TestFolder(pub PathBuf);
 
 impl TestFolder {
-    fn new(name: &str) -> Self {
+    pub fn new(name: &str) -> Self {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("corpus").join(name);
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(folder.join("levels")).unwrap();
@@ -68,38 +68,38 @@ impl TestFolder {
         place
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub fn write(&self, name: &str, text: &str) {
         std::fs::write(self.0.join(name), text).unwrap();
     }
 
-    fn read(&self, name: &str) -> String {
+    pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.join(name)).unwrap()
     }
 
-    fn command(&self, arguments: &str) -> Command {
+    pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hypedc"));
         command.args(["reach", "game.hyped"]).args(arguments.split_whitespace()).current_dir(&self.0);
         command
     }
 
-    fn run(&self, arguments: &str) -> Output {
+    pub fn run(&self, arguments: &str) -> Output {
         self.command(arguments).output().unwrap()
     }
 
     /// Exit code, standard output, standard error.
-    fn answer(&self, arguments: &str) -> (i32, String, String) {
+    pub fn answer(&self, arguments: &str) -> (i32, String, String) {
         let output = self.run(arguments);
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
     }
 
     /// The rows of a file without what depends on the machine.
-    fn rows(&self, name: &str) -> Vec<Value> {
+    pub fn rows(&self, name: &str) -> Vec<Value> {
         untimed(&self.read(name))
     }
 }
 
-fn untimed(text: &str) -> Vec<Value> {
+pub fn untimed(text: &str) -> Vec<Value> {
     text.lines()
         .map(|line| {
             let mut row: Value = serde_json::from_str(line).unwrap();

@@ -197,6 +197,19 @@ fn rows_are_as_their_schema_says() {
 }
 
 #[test]
+fn shards_are_as_their_schemas_say() {
+    let rows = temporary("shard.jsonl");
+    let of = "reach examples/smb/smb.hyped --nodes 300 --map examples/smb/mario-1-1.txt examples/smb/mario-1-2.txt";
+    let levels = written(&format!("{of} --shard 2/2 --results {} --format json", rows.display()));
+    assert_eq!(levels["shard"]["index"], 2);
+    validate("levels", &[levels]);
+    let mut lines = lines(&rows);
+    let all = lines.split_off(1);
+    validate("shard", &lines);
+    validate("row", &all);
+}
+
+#[test]
 fn experiments_are_as_their_schema_says() {
     let few = "--seeds 2 --nodes 200 --planners rrt --bounds reduced --format json";
     let of = |what: &str| written(&format!("experiment {what} {few}"));

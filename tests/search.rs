@@ -22,6 +22,7 @@ mod pictures;
 mod questions;
 mod reach;
 mod report_pages;
+mod shards;
 mod skill;
 mod stop;
 mod stuck;

@@ -8,6 +8,7 @@
 //! | `run` | runs of inputs, and what happens in them |
 //! | `reach` | questions about what is reached, and their answers |
 //! | `without` | what paths are to be without: a predicate, or a button |
+//! | `explore` | what a search without a question covers |
 //! | `refuted` | a run that refutes the analysis |
 //! | `why` | questions about a step, and their answers |
 //! | `picture` | pictures of answers and of runs |
@@ -16,6 +17,7 @@
 //! | `hash` | hashes of programs |
 
 mod bounds;
+mod explore;
 mod hash;
 mod picture;
 mod reach;
@@ -35,6 +37,7 @@ use crate::source::SourceMap;
 pub use bounds::{
     Border, BoundsResult, Dimensions, End, WorldBounds, borders, bounds_of, bounds_watched, dimensions, goal_reasons,
 };
+pub use explore::{EdgeResult, Exploration, ModeResult, SpaceResult, TopResult, joined_tops};
 pub use hash::{program_sha256, sha256};
 pub use picture::{Drawing, RunOutcome, nearest, nodes, plan, recorded, run_svg, search_svg};
 pub use reach::{GoalResult, RunResult, WITHOUT, no_goal, read_scripts, targets, unknown};
@@ -48,7 +51,10 @@ pub use why::{Asked, WhyQuestion, WhyResult, answer_why};
 pub use without::Without;
 pub use world::{find_world, open_world};
 #[cfg(feature = "testing")]
-pub use {bounds::bounds_schema, reach::reach_schema, run::sim_schema, stuck::stuck_schema, why::why_schema};
+pub use {
+    bounds::bounds_schema, explore::exploration_schema, reach::reach_schema, run::sim_schema, stuck::stuck_schema,
+    why::why_schema,
+};
 
 /// A program that compiled, and its files.
 pub struct Loaded {

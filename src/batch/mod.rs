@@ -5,14 +5,16 @@
 //! caller with a [`Worker`] of its own. Every row is a run by itself, so that results do not depend on the parts. A step
 //! and an observation allocate nothing.
 
+mod condition;
 mod planes;
 mod view;
 
 use std::sync::Arc;
 
-use crate::ir::{GoalId, NeverId, World};
-use crate::sim::{Control, Fault, Input, Run, Scratch, Simulator, State};
+use crate::ir::{AxisId, ButtonId, ExprId, GoalId, Id, NeverId, World};
+use crate::sim::{Control, Fault, Input, PlayerInput, Run, Scratch, Simulator, State};
 
+use condition::{Borders, Condition};
 pub use planes::{PlaneChoice, Planes};
 pub use view::{Variables, View};
 
@@ -107,20 +109,80 @@ pub struct Row {
     pub fault: Option<Fault>,
 }
 
+impl Row {
+    /// Ends the run, or lets it go on.
+    fn end(&mut self, ending: Option<Ending>) {
+        (self.status, self.which, self.fault) =
+            ending.map_or((Status::Running, 0, None), |Ending { status, which, fault }| (status, which, fault));
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ending {
+    status: Status,
+    which: u32,
+    fault: Option<Fault>,
+}
+
+impl Ending {
+    fn of(status: Status, which: u32) -> Option<Ending> {
+        Some(Ending { status, which, fault: None })
+    }
+
+    fn fault(fault: Fault) -> Option<Ending> {
+        Some(Ending { status: Status::Fault, which: 0, fault: Some(fault) })
+    }
+}
+
 /// What the rows have in common.
 struct Shared {
     sim: Arc<Simulator>,
-    rules: Rules,
+    nevers: Vec<(NeverId, Condition)>,
+    goals: Vec<(GoalId, Condition)>,
+    borders: Borders,
+    within: Option<u64>,
     /// The state before the first step.
     first: State,
     /// What comes of the first state.
-    begun: (Status, u32, Option<Fault>),
-    controls: Vec<Control>,
+    begun: Option<Ending>,
     /// Number of numbers that a row takes as its input.
     width: usize,
-    /// The place of each control in the input of a row.
-    places: Vec<usize>,
+    /// Where the input of each player is among them.
+    players: Vec<Places>,
     rows: u64,
+}
+
+/// The places of a player's buttons and axes among the numbers of a row's input.
+#[derive(Default)]
+struct Places {
+    buttons: Vec<(usize, ButtonId)>,
+    axes: Vec<(usize, AxisId)>,
+}
+
+impl Places {
+    fn of(controls: &[Control], from: usize) -> Places {
+        let mut places = Places::default();
+        for (at, control) in (from..).zip(controls) {
+            match *control {
+                Control::Button(_, button) => places.buttons.push((at, button)),
+                Control::Axis(_, axis) => places.axes.push((at, axis)),
+            }
+        }
+        places
+    }
+
+    /// Sets a player's input. Without branches on the numbers: those of a batch are as good as random.
+    #[inline]
+    fn read<T: Sample>(&self, numbers: &[T], input: &mut PlayerInput) {
+        let bit = |&(at, button): &(usize, ButtonId)| u64::from(numbers[at].number() != 0.0) << button.index();
+        input.buttons = self.buttons.iter().map(bit).fold(0, |all, bit| all | bit);
+        for &(at, axis) in &self.axes {
+            let number = numbers[at].number();
+            // NaN is no direction.
+            input.axes[axis.index()] = if number.is_nan() { 0.0 } else { number.clamp(-1.0, 1.0) };
+        }
+    }
 }
 
 /// Many runs of one world.
@@ -156,15 +218,19 @@ impl Batch {
         let players: Vec<Vec<Control>> =
             sim.world().players.ids().map(|player| sim.controls(player).collect()).collect();
         let per_player = players.iter().map(Vec::len).max().unwrap_or(0);
-        let places = players.iter().enumerate().flat_map(|(at, of)| (0..of.len()).map(move |i| at * per_player + i));
+        let program = Arc::clone(sim.program());
+        let world = sim.world_id();
+        let condition = |holds: ExprId| Condition::new(&program, &program.worlds[world], holds);
         let mut shared = Shared {
-            places: places.collect(),
             width: players.len() * per_player,
-            controls: players.into_iter().flatten().collect(),
-            begun: (Status::Running, 0, None),
+            players: players.iter().enumerate().map(|(at, of)| Places::of(of, at * per_player)).collect(),
+            nevers: rules.nevers.iter().map(|&id| (id, condition(sim.world().nevers[id].holds))).collect(),
+            goals: rules.goals.iter().map(|&id| (id, condition(sim.world().goals[id].holds))).collect(),
+            borders: Borders::new(&program.worlds[world]),
+            within: rules.within,
+            begun: None,
             rows: rows as u64,
             first,
-            rules,
             sim,
         };
         shared.begun = shared.judge(&shared.first, 0);
@@ -227,41 +293,41 @@ impl Batch {
         let size = self.shared.first.len();
         let (Some(of), true) = (self.rows.get_mut(row), state.len() == size) else { return };
         self.states[row * size..(row + 1) * size].copy_from_slice(state);
-        let (status, which, fault) = self.shared.judge(state, steps);
-        *of = Row { steps, status, which, fault, ..*of };
+        *of = Row { steps, ..*of };
+        of.end(self.shared.judge(state, steps));
     }
 }
 
 impl Shared {
     /// A row at the start of a run.
     fn begin(&self, seed: u64) -> Row {
-        let (status, which, fault) = self.begun;
-        Row { seed, steps: 0, status, which, fault }
+        let mut row = Row { seed, steps: 0, status: Status::Running, which: 0, fault: None };
+        row.end(self.begun);
+        row
     }
 
-    /// How a run stands in a state: as a search judges it, `never`s first, then bounds, then goals.
-    #[inline]
-    fn judge(&self, state: &[u8], steps: u64) -> (Status, u32, Option<Fault>) {
-        let (sim, world) = (&*self.sim, self.sim.world());
-        for &never in &self.rules.nevers {
-            match sim.holds(state, world.nevers[never].holds) {
+    /// How a run ends in a state, if it does: as a search judges it, `never`s first, then bounds, then goals.
+    #[inline(always)]
+    fn judge(&self, state: &[u8], steps: u64) -> Option<Ending> {
+        let sim = &*self.sim;
+        for (never, condition) in &self.nevers {
+            match condition.holds(sim, state) {
                 Ok(false) => {}
-                Ok(true) => return (Status::Never, never.0, None),
-                Err(fault) => return (Status::Fault, 0, Some(fault)),
+                Ok(true) => return Ending::of(Status::Never, never.0),
+                Err(fault) => return Ending::fault(fault),
             }
         }
-        if sim.left_bounds(state).is_some() {
-            return (Status::Outside, 0, None);
+        if self.borders.are_left(sim, state) {
+            return Ending::of(Status::Outside, 0);
         }
-        for &goal in &self.rules.goals {
-            match sim.holds(state, world.goals[goal].holds) {
+        for (goal, condition) in &self.goals {
+            match condition.holds(sim, state) {
                 Ok(false) => {}
-                Ok(true) => return (Status::Goal, goal.0, None),
-                Err(fault) => return (Status::Fault, 0, Some(fault)),
+                Ok(true) => return Ending::of(Status::Goal, goal.0),
+                Err(fault) => return Ending::fault(fault),
             }
         }
-        let is_late = self.rules.within.is_some_and(|within| steps >= within);
-        (if is_late { Status::TimeUp } else { Status::Running }, 0, None)
+        if self.within.is_some_and(|within| steps >= within) { Ending::of(Status::TimeUp, 0) } else { None }
     }
 }
 
@@ -309,8 +375,8 @@ impl<'b> Part<'b> {
                 }
                 continue;
             }
-            for (control, place) in shared.controls.iter().zip(&shared.places) {
-                worker.input.set(*control, numbers[*place].number());
+            for (places, input) in shared.players.iter().zip(&mut worker.input.0) {
+                places.read(numbers, input);
             }
             shared.step(state, row, worker);
         }
@@ -362,7 +428,7 @@ impl Shared {
         *row = self.begin(row.seed.wrapping_add(self.rows));
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(&self, state: &mut [u8], row: &mut Row, worker: &mut Worker) {
         let Worker { scratch, input, drawn, before } = worker;
         before.copy_from_slice(state);
@@ -375,10 +441,12 @@ impl Shared {
         };
         if let Err(fault) = self.sim.step(state, input, scratch) {
             state.copy_from_slice(before);
-            (row.status, row.fault) = (Status::Fault, Some(fault));
+            row.end(Ending::fault(fault));
             return;
         }
         row.steps += 1;
-        (row.status, row.which, row.fault) = self.judge(state, row.steps);
+        if let ending @ Some(_) = self.judge(state, row.steps) {
+            row.end(ending);
+        }
     }
 }

@@ -24,6 +24,7 @@ mod ir;
 mod lsp;
 #[cfg(feature = "lsp")]
 mod memory;
+mod merge;
 mod new;
 mod page;
 mod pictures;
@@ -87,6 +88,7 @@ pub fn main() -> ExitCode {
         Command::Play(args) => play::run(&args),
         Command::Reach(args) if corpus::is_corpus_run(&args) => corpus::run(&args),
         Command::Reach(args) => reach::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Why(args) => why::run(&args),
         Command::Stuck(args) => stuck::run(&args),
         Command::Tune(args) => tune::run(&args),

@@ -5,8 +5,8 @@ use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
 use super::{corpus, diff, reach, tune};
-use crate::ask::{bounds_schema, reach_schema, sim_schema, stuck_schema, why_schema};
-use crate::corpus::Row;
+use crate::ask::{bounds_schema, exploration_schema, reach_schema, sim_schema, stuck_schema, why_schema};
+use crate::corpus::{Row, ShardHeader};
 use crate::diagnostic::render;
 use crate::experiment::Report;
 use crate::ir::Program;
@@ -21,7 +21,7 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("findings", closed(render::json_schema(), "Findings of `hypedc check --format json`")),
         ("bounds", closed(bounds_schema(), "What `hypedc bounds --format json` writes")),
         ("results", closed(reach_schema(), "What `hypedc reach --format json` writes")),
-        ("exploration", closed(reach::exploration_schema(), "What `hypedc reach --explore --format json` writes")),
+        ("exploration", closed(exploration_schema(), "What `hypedc reach --explore --format json` writes")),
         ("skill", closed(reach::skill_schema(), "What `hypedc reach --skill --format json` writes")),
         ("sweep", closed(reach::sweep_schema(), "What `hypedc reach --format json` writes of a sweep")),
         ("stuck", closed(stuck_schema(), "What `hypedc stuck --format json` writes")),
@@ -29,6 +29,10 @@ pub fn schemas() -> Vec<(&'static str, Value)> {
         ("tune-tiles", closed(tune::tiles_schema(), "What `hypedc tune --tiles --format json` writes")),
         ("tests", closed(suite_schema(), "What `hypedc test --format json` writes")),
         ("row", closed(schemars::schema_for!(Row), "A line of `hypedc reach --results`")),
+        (
+            "shard",
+            closed(schemars::schema_for!(ShardHeader), "The first line of the file of a shard of `hypedc reach`"),
+        ),
         ("levels", closed(corpus::json_schema(), "What `hypedc reach --format json` writes of several levels")),
         ("diff", closed(diff::json_schema(), "What `hypedc diff --format json` writes")),
         ("why", closed(why_schema(), "What `hypedc why --format json` writes")),

@@ -113,10 +113,9 @@ impl Comparison {
     /// As text, a line each.
     pub fn text(&self, baseline: &str) -> String {
         let mut out = String::new();
-        let name = |key: &Key| format!("{}, {} {}", key.level_name(), key.kind.name(), key.goal);
         let mut line = |mark: &str, key: &Key, what: String| {
             // Infallible: writes to a string.
-            let _ = writeln!(out, "  {mark:7} {}: {what}", name(key));
+            let _ = writeln!(out, "  {mark:7} {}: {what}", key.text());
         };
         for Flip { key, from, to, change } in &self.flips {
             let more = match change {

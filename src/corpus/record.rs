@@ -1,7 +1,8 @@
 //! The file of rows, one line of JSON each: parsing, recovery after a truncated line, sorting.
 //!
 //! Rows are appended as they are done, so that a killed process loses at most the line that it was writing. When all
-//! are done, the file is rewritten in the order of the questions; lines stay byte for byte as they are.
+//! are done, the file is rewritten in the order of the questions; lines stay byte for byte as they are. The file of a
+//! shard begins with a header.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,10 +10,12 @@ use std::fmt;
 use serde::Deserialize;
 
 use super::row::{Key, ROW_VERSION, Row};
+use super::shard::{SHARD_VERSION, ShardHeader};
 use crate::json::{self, Layout};
 
-/// The prefix of every line.
-const LINE_PREFIX: &str = "{\"row\":";
+/// The prefix of every row, and that of every header of a shard.
+const ROW_PREFIX: &str = "{\"row\":";
+const SHARD_PREFIX: &str = "{\"shard\":";
 
 /// A row and the line that it was read from.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +41,11 @@ impl StoredRow {
 pub struct Record {
     /// The rows by their keys; of several with the same key the last counts.
     pub rows: BTreeMap<Key, StoredRow>,
+    /// The keys in the order of their first rows.
+    pub order: Vec<Key>,
+    /// What the file is a shard of; of several headers the last counts: a shard that goes on with another plan appends
+    /// one.
+    pub shard: Option<ShardHeader>,
     /// Number of bytes in complete lines; the rest was truncated.
     pub whole: usize,
     /// Whether the last complete line lacks its line's end.
@@ -67,9 +75,13 @@ impl Record {
         let mut record = Record::default();
         for (index, bytes) in text.split_inclusive(|b| *b == b'\n').enumerate() {
             let is_whole = bytes.ends_with(b"\n");
-            match row(bytes) {
-                Ok(kept) => {
-                    record.rows.insert(kept.row.key(), kept);
+            match line(bytes) {
+                Ok(Line::Shard(header)) => record.shard = Some(header),
+                Ok(Line::Row(kept)) => {
+                    let key = kept.row.key();
+                    if record.rows.insert(key.clone(), *kept).is_none() {
+                        record.order.push(key);
+                    }
                 }
                 Err(_) if !is_whole && is_cut(bytes) => break,
                 Err(why) => return Err(BadRecord { line: index + 1, why }),
@@ -93,36 +105,53 @@ impl Record {
     }
 }
 
-/// The row of a line.
-fn row(bytes: &[u8]) -> Result<StoredRow, String> {
+/// A line of a file of rows.
+enum Line {
+    Row(Box<StoredRow>),
+    Shard(ShardHeader),
+}
+
+/// Reads a line.
+fn line(bytes: &[u8]) -> Result<Line, String> {
     let line = std::str::from_utf8(bytes).map_err(|_| "not UTF-8".to_string())?;
     let line = line.trim_end_matches(['\n', '\r']);
     let not_a_row = |error| format!("not a row of `hypedc reach`: {error}");
+    if line.starts_with(SHARD_PREFIX) {
+        let VersionField { version } = serde_json::from_str(line).map_err(not_a_row)?;
+        if version != SHARD_VERSION {
+            return Err(format!("a shard of version {version}, this `hypedc` has version {SHARD_VERSION}"));
+        }
+        return serde_json::from_str(line).map(Line::Shard).map_err(not_a_row);
+    }
     // The version first: rows of other versions have other fields.
-    let VersionField { row: version } = serde_json::from_str(line).map_err(not_a_row)?;
+    let VersionField { version } = serde_json::from_str(line).map_err(not_a_row)?;
     if version != ROW_VERSION {
         return Err(format!("a row of version {version}, this `hypedc` has version {ROW_VERSION}"));
     }
     let row = serde_json::from_str(line).map_err(not_a_row)?;
-    Ok(StoredRow { row, line: line.to_string() })
+    Ok(Line::Row(Box::new(StoredRow { row, line: line.to_string() })))
 }
 
-/// The field with a row's version.
+/// The field with the version of a row or of a header.
 #[derive(Deserialize)]
 struct VersionField {
-    row: u32,
+    #[serde(rename = "row", alias = "shard")]
+    version: u32,
 }
 
 /// Whether this can be the beginning of a line: other text is not dropped.
 fn is_cut(bytes: &[u8]) -> bool {
-    let length = bytes.len().min(LINE_PREFIX.len());
-    bytes[..length] == LINE_PREFIX.as_bytes()[..length]
+    [ROW_PREFIX, SHARD_PREFIX].iter().any(|prefix| {
+        let length = bytes.len().min(prefix.len());
+        bytes[..length] == prefix.as_bytes()[..length]
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::corpus::row::tests::row as a_row;
+    use crate::corpus::shard::{PlannedQuestion, Shard};
 
     fn text(levels: &[&str]) -> String {
         levels.iter().map(|level| StoredRow::new(a_row(level)).unwrap().line + "\n").collect()
@@ -152,6 +181,31 @@ mod tests {
         assert!(Record::read(newer.as_bytes()).unwrap_err().why.contains("version 99"));
         let older = "{\"row\":2,\"level\":null,\"is_as_wished\":true}\n";
         assert!(Record::read(older.as_bytes()).unwrap_err().why.contains("version 2,"), "it has other fields");
+    }
+
+    #[test]
+    fn a_shard_has_a_header_and_the_last_counts() {
+        let header = |plan: &str| ShardHeader {
+            shard: SHARD_VERSION,
+            of: Shard { index: 2, count: 3 },
+            file: "game.hyped".into(),
+            world: "Open".into(),
+            program_sha256: "a0".into(),
+            plan_sha256: plan.into(),
+            questions: 4,
+            part: vec![PlannedQuestion { at: 1, key: a_row("a").key() }],
+        };
+        let line = |plan: &str| serde_json::to_string(&header(plan)).unwrap() + "\n";
+        let all = line("1") + &text(&["b", "a"]) + &line("2");
+        let record = Record::read(all.as_bytes()).unwrap();
+        assert_eq!((record.shard, record.rows.len()), (Some(header("2")), 2));
+        assert_eq!(record.order, [a_row("b").key(), a_row("a").key()]);
+        for end in 0..line("1").len() - 1 {
+            let record = Record::read(&all.as_bytes()[..end]).unwrap();
+            assert_eq!((record.shard, record.whole), (None, 0), "cut at {end}");
+        }
+        let newer = line("1").replace("\"shard\":1", "\"shard\":9");
+        assert!(Record::read(newer.as_bytes()).unwrap_err().why.contains("a shard of version 9"));
     }
 
     #[test]

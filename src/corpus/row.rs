@@ -117,7 +117,7 @@ pub struct Timing {
 }
 
 /// What tells the questions of a run apart.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Key {
     /// The path of the level as it was given; none for a program that has its maps in it.
@@ -132,6 +132,11 @@ impl Key {
     /// The level's path, or a word for there being none.
     pub fn level_name(&self) -> &str {
         self.level.as_deref().unwrap_or("(own map)")
+    }
+
+    /// For people: `levels/a.txt, goal out`.
+    pub fn text(&self) -> String {
+        format!("{}, {} {}", self.level_name(), self.kind.name(), self.goal)
     }
 
     /// What is asked, of whatever level.

@@ -148,6 +148,12 @@ impl SlotLayout {
         self.vars + 24 * var.index() + 8 * usize::from(degree)
     }
 
+    /// Where a continuous variable or one of its derivatives is in a state, for code that reads it often; none of an
+    /// instance that never moves.
+    pub(crate) fn moving_offset(&self, var: VarId, degree: u8) -> Option<usize> {
+        self.rest.is_none().then(|| self.var_offset(var, degree))
+    }
+
     /// A continuous variable or one of its derivatives.
     #[inline]
     pub fn var(&self, state: &[u8], var: VarId, degree: u8) -> f64 {
@@ -283,6 +289,11 @@ impl SlotLayout {
         if self.rest.is_none() {
             store(state, self.space, (space.0 as u16).to_le_bytes());
         }
+    }
+
+    /// Where a state says whether there is an instance: its byte there is not 0.
+    pub(crate) fn alive_offset(&self) -> usize {
+        self.alive
     }
 
     /// Whether there is an instance, alive or otherwise.

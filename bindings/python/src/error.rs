@@ -13,6 +13,7 @@ pub(crate) mod class {
     pyo3::import_exception!(hyped._errors, CompileError);
     pyo3::import_exception!(hyped._errors, QuestionError);
     pyo3::import_exception!(hyped._errors, StepError);
+    pyo3::import_exception!(hyped._errors, UnknownNameError);
 }
 
 /// All findings as JSON, in the form of `hypedc check --format json`.
@@ -43,6 +44,14 @@ pub(crate) fn question_at(sources: &SourceMap, fact: impl Fact) -> PyErr {
 /// As [`question`], from findings.
 pub(crate) fn questions(sources: &SourceMap, found: &Diagnostics) -> PyErr {
     class::QuestionError::new_err(as_keywords(render::human(sources, found.iter(), false).trim_end()))
+}
+
+/// A name that there is not, where Python expects a `KeyError`.
+pub(crate) fn unknown_name(fact: impl Fact) -> PyErr {
+    let mut found = Diagnostics::new();
+    found.report(fact);
+    let text = render::human(&SourceMap::new(), found.iter(), false);
+    class::UnknownNameError::new_err(as_keywords(text.trim_end()))
 }
 
 /// A question that cannot be asked.

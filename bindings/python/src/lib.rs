@@ -36,7 +36,7 @@ mod _hyped {
     #[pymodule_export]
     use super::questions::{bounds, stuck, why};
     #[pymodule_export]
-    use super::search::reach;
+    use super::search::{explore, reach};
     #[pymodule_export]
     use super::simulator::{Simulator, resumed};
     #[pymodule_export]

@@ -1,11 +1,11 @@
 //! Questions about what can be reached. The records are those of `hypedc reach --format json`.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use hypedc::ask::{Loaded, Refusal, Refuted, RunResult, Without, read_scripts, search_svg, targets};
+use hypedc::ask::{Exploration, Loaded, Refusal, Refuted, RunResult, Without, read_scripts, search_svg, targets};
 use hypedc::compile::added_nevers;
 use hypedc::corpus;
 use hypedc::diagnostic::catalogue::run::NoQuestion;
@@ -13,7 +13,7 @@ use hypedc::diagnostic::similar;
 use hypedc::ir::WorldId;
 use hypedc::reach::query::{Phase, Query, QueryError, Session, Supervisor, TimingErrors};
 use hypedc::reach::robust::Jitter;
-use hypedc::reach::{Limits, Planner, Settings, Style, Target, Termination};
+use hypedc::reach::{Explorer, Limits, Planner, Settings, Style, Target, Termination};
 use hypedc::view::Images;
 use hypedc::watch::Watch;
 use pyo3::prelude::*;
@@ -152,7 +152,7 @@ impl Asked {
             after: self.after.clone(),
             min_hold: self.min_hold.map(|steps| format!("{steps}frames")),
             minimize: self.style.is_some(),
-            style: self.style.clone(),
+            style: self.style.clone().filter(|style| style != Style::Fast.name()),
             chance: self.chance,
             robust: self.sigma.map(|sigma| format!("sigma={sigma}frames,trials={}", self.trials)),
             nodes_limit: self.nodes.or(self.seconds.is_none().then(|| self.limits().nodes)),
@@ -197,6 +197,68 @@ impl Supervisor for Phases<'_> {
 /// What a search gave: the record as JSON, a picture of each answer, and whether it was interrupted.
 type Found = (String, Vec<String>, bool);
 
+/// What is asked, with the program that has the questions.
+struct Prepared {
+    asked: Asked,
+    loaded: Arc<Loaded>,
+    world: WorldId,
+    query: Query,
+    recorded: corpus::Settings,
+    root: PathBuf,
+}
+
+impl Prepared {
+    fn new(py: Python<'_>, program: &Bound<'_, Program>, asked: Asked) -> PyResult<Prepared> {
+        let questions = Questions {
+            world: asked.world.clone(),
+            goals: asked.goals.clone(),
+            nevers: asked.nevers.clone(),
+            without: asked.without.as_deref().and_then(|text| Without::read(text).predicate()).map(str::to_string),
+        };
+        let program = program.get().asking(py, questions)?;
+        let world = program.world_id(asked.world.as_deref())?;
+        let (sources, of) = (program.loaded.sources.clone(), Arc::clone(&program.loaded.program));
+        let mut loaded = Loaded { sources, program: of };
+        let query = asked.query(&mut loaded, world)?;
+        let recorded = asked.recorded(&program, &query.settings);
+        Ok(Prepared { asked, loaded: Arc::new(loaded), world, query, recorded, root: program.recipe.root.clone() })
+    }
+}
+
+/// Searches without a question; returns the record of what was covered, and whether it was interrupted.
+#[pyfunction]
+#[pyo3(name = "_explore", signature = (program, asked, progress = None))]
+pub fn explore(
+    py: Python<'_>,
+    program: &Bound<'_, Program>,
+    asked: &str,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, bool)> {
+    let Prepared { asked, loaded, world, mut query, mut recorded, root } =
+        Prepared::new(py, program, Asked::new(asked)?)?;
+    // What is said of a goal that was not found costs time; there is none.
+    query.settings.explains = false;
+    if query.settings.planner == Planner::Auto {
+        query.settings.planner = Planner::Coverage;
+        recorded.planner = Planner::Coverage.name().to_string();
+    }
+    let (kept, seconds) = (Arc::clone(&loaded), asked.seconds);
+    let found = watched(py, progress.as_ref(), move |flag| {
+        let started = Instant::now();
+        flag.limit(seconds);
+        let session = Session::new(&loaded.program, world, query, flag);
+        let explorer = Explorer::new(session.simulator());
+        let left = seconds.map(|limit| (limit - started.elapsed().as_secs_f64()).max(0.0));
+        flag.limit(left);
+        let started = Instant::now();
+        let outcome = session.explore(&explorer, flag)?;
+        let (covered, seconds) = ((&outcome, &explorer.explored()), started.elapsed().as_secs_f64());
+        let result = Exploration::new((&root, &loaded, world), recorded, covered, seconds);
+        Ok((serde_json::to_string(&result).unwrap_or_default(), flag.is_interrupted()))
+    })?;
+    found.map_err(|error| refused(&kept, world, &asked, &error))
+}
+
 /// Asks.
 #[pyfunction]
 #[pyo3(name = "_reach", signature = (program, asked, progress = None))]
@@ -206,20 +268,8 @@ pub fn reach(
     asked: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
-    let asked = Asked::new(asked)?;
-    let questions = Questions {
-        world: asked.world.clone(),
-        goals: asked.goals.clone(),
-        nevers: asked.nevers.clone(),
-        without: asked.without.as_deref().and_then(|text| Without::read(text).predicate()).map(str::to_string),
-    };
-    let program = program.get().asking(py, questions)?;
-    let world = program.world_id(asked.world.as_deref())?;
-    let mut loaded = Loaded { sources: program.loaded.sources.clone(), program: Arc::clone(&program.loaded.program) };
-    let query = asked.query(&mut loaded, world)?;
-    let recorded = asked.recorded(&program, &query.settings);
-    let loaded = Arc::new(loaded);
-    let (kept, root) = (Arc::clone(&loaded), program.recipe.root.clone());
+    let Prepared { asked, loaded, world, query, recorded, root } = Prepared::new(py, program, Asked::new(asked)?)?;
+    let kept = Arc::clone(&loaded);
     let (seconds, draws) = (asked.seconds, asked.svg);
     let found = watched(py, progress.as_ref(), move |flag| {
         answers(&loaded, (world, query), recorded, &root, (seconds, draws), flag)

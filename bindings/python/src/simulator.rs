@@ -8,11 +8,10 @@ use hypedc::sim;
 use hypedc::sim::{Input, Named, Run, State, TraceFormat, TraceLines};
 use hypedc::view::{Film, FilmOptions, Images, PlayerArea};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
-use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
-use crate::error::{argument, question, step};
+use crate::error::{argument, question, step, unknown_name};
 use crate::event::Event;
 use crate::inputs::{input, script};
 use crate::named::{object, value};
@@ -188,14 +187,14 @@ impl Simulator {
     /// A part of the state by name.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let sim = self.run.simulator();
-        let part = sim.named(name).map_err(|why| PyKeyError::new_err(question(why).value(py).to_string()))?;
+        let part = sim.named(name).map_err(unknown_name)?;
         object(py, &sim.named_value(self.run.state(), part))
     }
 
     /// Writes a part of the state by name.
-    fn __setitem__(&mut self, py: Python<'_>, name: &str, new: &Bound<'_, PyAny>) -> PyResult<()> {
+    fn __setitem__(&mut self, name: &str, new: &Bound<'_, PyAny>) -> PyResult<()> {
         let sim = Arc::clone(self.run.simulator());
-        let part = sim.named(name).map_err(|why| PyKeyError::new_err(question(why).value(py).to_string()))?;
+        let part = sim.named(name).map_err(unknown_name)?;
         let mut state = self.run.state().clone();
         let written = sim.set_named(&mut state, part, &value(new)?);
         written.map_err(|why| {

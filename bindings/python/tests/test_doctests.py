@@ -39,6 +39,7 @@ def docstrings(name: str) -> list[doctest.DocTest]:
                 "hyped": hyped,
                 "compile": hyped.compile,
                 "reach": hyped.reach,
+                "explore": hyped.explore,
                 "bounds": hyped.bounds,
                 "CompileError": hyped.CompileError,
             }

@@ -189,6 +189,8 @@ FUNCTIONS = [
     _hyped._trace,
     hyped.why,
     hyped.reach,
+    hyped.explore,
+    _hyped._explore,
     hyped.World,
     hyped.Program,
     hyped.Event,
@@ -233,7 +235,7 @@ def test_wrong_calls_raise() -> None:
         try:
             if methods is None or rng.random() < 0.1:
                 function = rng.choice(FUNCTIONS)
-                if function in (hyped.reach, _hyped._reach):
+                if function in (hyped.reach, hyped.explore):
                     keywords["nodes"] = 50
                 function(*arguments, **keywords)
             else:

@@ -210,3 +210,24 @@ def test_tuning() -> None:
     for wrong in ({}, {"Ball.pac": (1, 2)}, {"Ball.pace": (2, 1)}, {"Ball.pace": 3}, {"Ball.pace": ("a", "b")}):
         with pytest.raises(hyped.QuestionError):
             hyped.tune(program, wrong)
+
+
+def test_what_is_covered_is_that_of_the_command_line(hypedc: str) -> None:
+    for path, options, arguments in (
+        ("examples/mario.hyped", {"nodes": 2000}, ["--nodes", "2000"]),
+        ("examples/link.hyped", {"nodes": 1000, "seed": 3}, ["--nodes", "1000", "--seed", "3"]),
+    ):
+        found = hyped.explore(hyped.compile(path), **options)  # type: ignore[arg-type]
+        command = [hypedc, "reach", path, "--explore", "--format", "json", *arguments]
+        shown = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert plain(found.record) == plain(json.loads(shown.stdout))
+        assert (
+            0 < found.cells[0] < found.cells[1]
+            and any(found.modes.values())
+            and all(found.spaces)
+            and not found.interrupted
+        )
+    died = hyped.explore(hyped.compile(BALL), nodes=500).broken["low"]
+    assert died.simulator()["never.low"]
+    with pytest.raises(hyped.QuestionError, match="planner"):
+        hyped.explore(hyped.compile(BALL), planner="none")

@@ -35,8 +35,10 @@ def test_parts_of_the_state_are_read_and_written(run: hyped.Simulator) -> None:
         with pytest.raises(hyped.QuestionError):
             run[name] = value
         assert run.hash() == before
-    with pytest.raises(KeyError, match="ball.x"):
+    with pytest.raises(KeyError, match="ball.x") as caught:
         run["ball.xx"]
+    # It prints as other errors do, where KeyError shows line breaks as \n.
+    assert isinstance(caught.value, hyped.UnknownNameError) and "\\n" not in str(caught.value)
 
 
 def test_inputs_have_several_forms(run: hyped.Simulator) -> None:

@@ -27,6 +27,7 @@ pub(in crate::cli) use why::WhyArgs;
 use crate::cli::corpus::args::CorpusArgs;
 use crate::cli::diff::args::DiffArgs;
 use crate::cli::experiment::args::ExperimentArgs;
+use crate::cli::merge::args::MergeArgs;
 use crate::cli::stuck::args::StuckArgs;
 use crate::cli::test::args::TestArgs;
 use crate::cli::time::{Hold, Time};
@@ -57,6 +58,8 @@ pub(in crate::cli) enum Command {
     Play(PlayArgs),
     /// Searches for inputs that reach a world's goals, or proves that there are none.
     Reach(Box<ReachArgs>),
+    /// Joins the results of `hypedc reach` on several machines, and says what is missing.
+    Merge(MergeArgs),
     /// Explains a step of a run: which edge was taken, and why not another.
     Why(WhyArgs),
     /// Finds where a player gets stuck: places from which a goal cannot be reached.

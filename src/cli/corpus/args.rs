@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::cli::args::output::output;
+use crate::corpus::Shard;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Many levels")]
@@ -26,6 +27,14 @@ pub(in crate::cli) struct CorpusArgs {
     /// The difference in the length of a path, in percent of the baseline, above which it is listed.
     #[arg(long, value_name = "PERCENT", default_value_t = 10.0, value_parser = percent, requires = "baseline")]
     pub tolerance: f64,
+    /// Asks one of several parts of the questions, for several machines: `3/8` is the third of eight. `hypedc merge`
+    /// joins the files of all parts.
+    #[arg(long, value_name = "I/N", value_parser = Shard::read, requires = "results")]
+    pub shard: Option<Shard>,
+    /// Divides the questions so that all shards take about as long, by the times of an older run, whose `--results`
+    /// file this is. All shards need the same one.
+    #[arg(long, value_name = "FILE.jsonl", requires = "shard")]
+    pub costs: Option<PathBuf>,
 }
 
 fn percent(text: &str) -> Result<f64, String> {

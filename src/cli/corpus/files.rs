@@ -6,11 +6,25 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::corpus::{CSV_HEADER, Key, Record, Row, StoredRow, csv_line};
+use crate::corpus::{CSV_HEADER, Key, Record, Row, ShardHeader, StoredRow, csv_line};
+use crate::json::{self, Layout};
 use crate::source::ReadError;
 use crate::tabular::csv;
 
-use crate::cli::disk::{is_regular, replace, rows as disk_rows};
+use crate::cli::disk::{is_regular, open, replace, rows as disk_rows};
+
+/// Reads a file of rows that is not written to.
+///
+/// Why it cannot be read; `not` says what it is not, such as `a baseline`.
+pub(in crate::cli) fn read(path: &Path, not: &str) -> Result<Record, String> {
+    let cannot = |why: String| format!("cannot read `{}`: {why}", path.display());
+    let mut file = open(path).map_err(|error| match error {
+        ReadError::Unreadable(why) => cannot(why),
+        ReadError::NotUtf8(_) | ReadError::TooLarge(_) => cannot("it is no text".to_string()),
+    })?;
+    let text = disk_rows(&mut file).map_err(cannot)?;
+    Record::read(&text).map_err(|bad| format!("`{}` is not {not}; {bad}", path.display()))
+}
 
 /// The file of rows, open for appending.
 pub(in crate::cli) struct RecordFile {
@@ -20,13 +34,38 @@ pub(in crate::cli) struct RecordFile {
     pub found: Record,
     /// Whether its last line was cut off.
     pub was_cut: bool,
+    /// What it is a shard of.
+    header: Option<ShardHeader>,
+}
+
+/// Refuses the file of something else than a shard, or than a whole run: at the end, its other rows would be removed.
+fn check_shard(path: &Path, found: &Record, shard: Option<&ShardHeader>) -> Result<(), String> {
+    let path = path.display();
+    let own = "give each shard a file of its own";
+    match (shard.map(|header| header.of), found.shard.as_ref().map(|header| header.of)) {
+        (Some(new), Some(old)) if new != old => {
+            Err(format!("`{path}` is the file of shard {old}, not of {new}; {own}"))
+        }
+        (Some(new), None) if !found.rows.is_empty() => {
+            Err(format!("`{path}` has the rows of a run without shards, not those of shard {new}; {own}"))
+        }
+        (None, Some(old)) => Err(format!(
+            "`{path}` is the file of shard {old}; go on with `--shard {old}`, or give another file for all questions"
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// The first line of a shard's file, with its end.
+fn header_line(header: &ShardHeader) -> Result<String, String> {
+    json::text(header, Layout::Compact).map(|line| format!("{line}\n")).map_err(|error| error.to_string())
 }
 
 impl RecordFile {
-    /// Opens or creates a file of rows. Removes an incomplete last line.
+    /// Opens or creates a file of rows, that of a shard with its header. Removes an incomplete last line.
     ///
-    /// Why it cannot be appended to: it is no such file, or another process is writing to it.
-    pub fn open(path: &Path) -> Result<Self, String> {
+    /// Why it cannot be appended to: it is no such file, it is of another shard, or another process is writing to it.
+    pub fn open(path: &Path, shard: Option<&ShardHeader>) -> Result<Self, String> {
         let cannot = |what: &str, error: io::Error| format!("cannot {what} `{}`: {error}", path.display());
         if path.exists()
             && let Err(ReadError::Unreadable(why)) = is_regular(path)
@@ -46,7 +85,10 @@ impl RecordFile {
         }
         let text = disk_rows(&mut file).map_err(|why| format!("cannot read `{}`: {why}", path.display()))?;
         let found = Record::read(&text).map_err(|bad| format!("`{}` is unchanged; {bad}", path.display()))?;
+        check_shard(path, &found, shard)?;
         let was_cut = found.whole < text.len();
+        // Rows of an older plan stay in the file until the end.
+        let header = shard.filter(|shard| found.shard.as_ref() != Some(shard)).map(header_line).transpose()?;
         let mut mend = || -> io::Result<()> {
             if was_cut {
                 file.set_len(found.whole as u64)?;
@@ -55,10 +97,13 @@ impl RecordFile {
             if found.is_open {
                 file.write_all(b"\n")?;
             }
+            if let Some(header) = &header {
+                file.write_all(header.as_bytes())?;
+            }
             file.sync_all()
         };
         mend().map_err(|error| cannot("write", error))?;
-        Ok(RecordFile { path: path.to_path_buf(), file, found, was_cut })
+        Ok(RecordFile { path: path.to_path_buf(), file, found, was_cut, header: shard.cloned() })
     }
 
     /// Appends a row and flushes it to the disk.
@@ -75,7 +120,8 @@ impl RecordFile {
     /// Why it cannot be written.
     pub fn finish(mut self, rows: &[&StoredRow]) -> Result<usize, String> {
         let cannot = |why: String| format!("cannot write `{}`: {why}", self.path.display());
-        let text: String = rows.iter().map(|kept| format!("{}\n", kept.line)).collect();
+        let head = self.header.as_ref().map(header_line).transpose()?.unwrap_or_default();
+        let text = rows.iter().fold(head, |text, kept| text + &kept.line + "\n");
         self.file.rewind().map_err(|error| cannot(error.to_string()))?;
         let old = disk_rows(&mut self.file).map_err(cannot)?;
         if old != text.as_bytes() {

@@ -35,6 +35,8 @@ pub(in crate::cli) struct CorpusContext<'c> {
     /// The questions, in the order of their rows.
     pub targets: Vec<(Kind, String)>,
     pub settings: Settings,
+    /// Whether each question is asked in this shard: the targets of the first level, then those of the next.
+    pub is_asked: Vec<bool>,
     /// The rows of an earlier run.
     pub record: &'c Record,
 }
@@ -50,8 +52,14 @@ pub(in crate::cli) enum TaskResult {
 }
 
 impl CorpusContext<'_> {
-    /// Processes a level; submits a result for each question, unless the run is stopped.
-    pub fn level(&self, level: &Level, task_context: &TaskContext<'_, TaskResult>) {
+    /// Processes the level with this index; submits a result for each question, unless the run is stopped.
+    pub fn level(&self, index: usize, level: &Level, task_context: &TaskContext<'_, TaskResult>) {
+        let count = self.targets.len();
+        let targets: Vec<usize> =
+            (0..count).filter(|target| self.is_asked.get(index * count + target).is_some_and(|is| *is)).collect();
+        if targets.is_empty() {
+            return;
+        }
         let path = level.path.as_deref();
         let level_sha256 = path.and_then(level_sha256);
         let blank = |target: usize, error: String| {
@@ -62,7 +70,7 @@ impl CorpusContext<'_> {
             Row { level_sha256: level_sha256.clone(), ..row }
         };
         let failed = |error: &str| {
-            for target in 0..self.targets.len() {
+            for &target in &targets {
                 task_context.submit(TaskResult::New(target, Box::new(blank(target, error.to_string()))));
             }
         };
@@ -87,10 +95,10 @@ impl CorpusContext<'_> {
             |target: usize| Row { program_sha256: Some(program_sha256.clone()), ..blank(target, String::new()) };
         let kept = |target: usize| self.record.same(&blank(target)).filter(|kept| self.has_files(level, &kept.row));
         // A search for another goal may refute the analysis on which a stored proof rests.
-        let is_searched = (0..self.targets.len()).any(|target| kept(target).is_none());
+        let is_searched = targets.iter().any(|&target| kept(target).is_none());
         let rests_on_analysis = |kept: &StoredRow| kept.row.answer.answered_by.as_deref() == Some("analysis");
         let mut open = Vec::new();
-        for target in 0..self.targets.len() {
+        for &target in &targets {
             match kept(target).filter(|kept| !(is_searched && rests_on_analysis(kept))) {
                 Some(kept) => task_context.submit(TaskResult::Stored(target, Box::new(kept.clone()))),
                 None => open.push(target),

@@ -2,9 +2,10 @@
 //! processes a single level; [`crate::corpus`] defines the rows.
 
 pub(in crate::cli) mod args;
-mod files;
+pub(in crate::cli) mod files;
 pub(in crate::cli) mod level;
 mod page;
+mod shard;
 
 use std::collections::BTreeSet;
 use std::fs::{File, read_dir, write};
@@ -18,22 +19,21 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::compile::{Compilation, compile_changed};
-use crate::corpus::{Comparison, Key, Record, Row, StoredRow, junit, summary, table};
-use crate::diagnostic::catalogue::file::Unreadable;
+use crate::corpus::{Comparison, Key, Record, Row, Shard, ShardHeader, StoredRow, junit, summary, table};
 use crate::diagnostic::catalogue::run::NoQuestion;
 use crate::diagnostic::{Code, Severity};
 use crate::json::{self, Layout};
 use crate::parallel::{self, TaskContext};
-use crate::source::SourceMap;
+use crate::reach::query::Kind;
 
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
-use crate::cli::disk::{Disk, open, rows};
+use crate::cli::disk::Disk;
 use crate::cli::reach::question::{ReachChanges, query, recorded_settings};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::{Loaded, find_world, has_maps, load_changed, plain_error, written};
 use crate::cli::watches::interrupted;
-use files::{CsvFile, RecordFile};
+use files::{CsvFile, RecordFile, read};
 use level::{CorpusContext, Level, TaskResult};
 
 /// The version of the JSON result.
@@ -84,8 +84,12 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     if args.map.is_empty() && !has_maps(&loaded, [world])? {
         return Ok(Exit::Refused);
     }
-    let files = match Files::open(args) {
-        Ok(files) => files,
+    let targets: Vec<(Kind, String)> =
+        query.targets.iter().map(|target| (target.kind(), target.name(world).to_string())).collect();
+    let opened = shard::header(args, (&loaded.program, &world.name), &levels, &targets)
+        .and_then(|shard| Ok((Files::open(args, shard.as_ref())?, shard)));
+    let (files, shard) = match opened {
+        Ok(opened) => opened,
         Err(why) => {
             plain_error(&why)?;
             return Ok(Exit::Refused);
@@ -93,11 +97,11 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
     };
     let none = Record::default();
     let record = files.record.as_ref().map_or(&none, |file| &file.found).clone();
-    let targets = query.targets.iter().map(|target| (target.kind(), target.name(world).to_string()));
     let context = CorpusContext {
         args,
         world: world.name.clone(),
-        targets: targets.collect(),
+        is_asked: shard::is_asked(shard.as_ref(), levels.len() * targets.len()),
+        targets,
         settings: recorded_settings(args, &query.settings),
         record: &record,
     };
@@ -137,10 +141,10 @@ struct Files {
 
 impl Files {
     /// Opens all files early: a misspelt folder is reported now, not after an hour.
-    fn open(args: &ReachArgs) -> Result<Self, String> {
+    fn open(args: &ReachArgs, shard: Option<&ShardHeader>) -> Result<Self, String> {
         let of = &args.corpus;
-        let baseline = of.baseline.as_deref().map(baseline).transpose()?;
-        let record = of.results.as_deref().map(RecordFile::open).transpose()?;
+        let baseline = of.baseline.as_deref().map(|path| read(path, "a baseline")).transpose()?;
+        let record = of.results.as_deref().map(|path| RecordFile::open(path, shard)).transpose()?;
         for path in of.junit.iter().chain(&args.page.html) {
             let opened = File::options().create(true).append(true).open(path);
             opened.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
@@ -148,14 +152,6 @@ impl Files {
         let csv = of.csv.as_deref().map(CsvFile::create).transpose()?;
         Ok(Files { record, csv, baseline })
     }
-}
-
-/// The rows of an older run.
-fn baseline(path: &Path) -> Result<Record, String> {
-    let cannot = |why: String| format!("cannot read `{}`: {why}", path.display());
-    let mut file = open(path).map_err(|error| Refusal::of(Unreadable::named(path, error)).text(&SourceMap::new()))?;
-    let text = rows(&mut file).map_err(cannot)?;
-    Record::read(&text).map_err(|bad| format!("`{}` is not a baseline; {bad}", path.display()))
 }
 
 /// A run over all levels.
@@ -174,13 +170,14 @@ impl Run<'_> {
         let count = self.context.targets.len();
         let mut rows: Vec<Option<StoredRow>> = vec![None; self.levels.len() * count];
         let (mut kept, mut broken) = (0, None);
-        let bar = bar(rows.len());
+        let all = self.context.is_asked.iter().filter(|is| **is).count();
+        let bar = bar(all);
         if let (Some(path), true) = (&args.corpus.results, self.files.record.as_ref().is_some_and(|file| file.was_cut))
         {
             writeln!(io::stderr(), "the last row of `{}` is incomplete and will be computed again", path.display())?;
         }
         let Run { context, levels, files, .. } = &mut self;
-        let task = |at: usize, task_context: &TaskContext<'_, TaskResult>| context.level(&levels[at], task_context);
+        let task = |at: usize, task_context: &TaskContext<'_, TaskResult>| context.level(at, &levels[at], task_context);
         parallel::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
             bar.inc(1);
             let written = match done {
@@ -207,9 +204,8 @@ impl Run<'_> {
             plain_error(&why)?;
             return Ok(Exit::Refused);
         }
-        let is_stopped = rows.iter().any(Option::is_none);
-        let all = rows.len();
         let rows: Vec<&StoredRow> = rows.iter().flatten().collect();
+        let is_stopped = rows.len() < all;
         let comparison = self.files.baseline.as_ref().map(|record| {
             let done: BTreeSet<Key> = rows.iter().map(|kept| kept.row.key()).collect();
             // A row that was not computed is not missing.
@@ -251,7 +247,12 @@ impl Run<'_> {
         };
         // A wrong analysis is never expected.
         let is_refuted = rows.iter().any(|kept| kept.row.refuted.is_some());
-        Ok(if is_no || is_stopped || is_refuted { Exit::No } else { Exit::Yes })
+        Ok(match is_stopped && args.corpus.shard.is_some() {
+            // Schedulers may take an answer of no as done: that a shard is not done must show.
+            true => Exit::Refused,
+            false if is_no || is_stopped || is_refuted => Exit::No,
+            false => Exit::Yes,
+        })
     }
 }
 
@@ -314,6 +315,9 @@ struct JsonResult<'t> {
     file: String,
     /// The world.
     world: &'t str,
+    /// Which part of the questions it is about; left out if it is about all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shard: Option<Shard>,
     /// Whether the run was interrupted.
     stopped: bool,
     /// The rows.
@@ -336,11 +340,13 @@ impl Presentation<'_> {
         if self.args.format == ResultFormat::Json {
             let (is_stopped, changes) = (self.is_stopped, self.comparison);
             let (version, hypedc) = (RESULT_VERSION, env!("CARGO_PKG_VERSION"));
-            let result = JsonResult { version, hypedc, file, world, stopped: is_stopped, rows, changes };
+            let shard = self.args.corpus.shard;
+            let result = JsonResult { version, hypedc, file, world, shard, stopped: is_stopped, rows, changes };
             json::write(&result, Layout::Indented, &mut out)?;
             return writeln!(out);
         }
-        writeln!(out, "{file}, world {world}, seed {}", self.args.seed)?;
+        let shard = self.args.corpus.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
+        writeln!(out, "{file}, world {world}, seed {}{shard}", self.args.seed)?;
         write!(out, "{}", table(&rows))?;
         writeln!(out, "{}{note}", summary(&rows))?;
         if let (Some(comparison), Some(path)) = (self.comparison, &self.args.corpus.baseline) {

@@ -4,13 +4,11 @@
 use std::fs::write;
 use std::io::{self, Write};
 
-use serde::Serialize;
-
-use crate::corpus;
-use crate::ir::{EdgeId, Entity, World, WorldId};
+use crate::ask::{Exploration, SpaceResult};
+use crate::ir::WorldId;
 use crate::json::{self, Layout};
 use crate::reach::query::{Counterexample, Session};
-use crate::reach::{CoveredSpace, End, Explored, Explorer, Outcome, Top, Visited};
+use crate::reach::{End, Explorer, Outcome, Visited};
 use crate::view::{Node, Picture, Run, picture_svg};
 
 use super::question::{recorded_settings, refusal};
@@ -18,110 +16,11 @@ use super::text::{Detail, counted};
 use crate::cli::Exit;
 use crate::cli::args::{ReachArgs, ResultFormat};
 use crate::cli::pictures::images;
-use crate::cli::report::{Loaded, plain_error, program_sha256, show_fact};
+use crate::cli::report::{Loaded, plain_error, show_fact};
 use crate::cli::watches::CommandWatch;
 
-/// The version of the JSON result.
-const RESULT_VERSION: u32 = 1;
 /// Maximum number of things that a line of the report lists.
 const MAX_LISTED: usize = 12;
-
-/// What a search covered.
-#[derive(Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-struct Exploration {
-    /// The version of this format.
-    version: u32,
-    /// The path of the program.
-    file: String,
-    /// A hash of what the compiled program means.
-    program_sha256: String,
-    /// The world.
-    world: String,
-    /// How it was searched.
-    #[serde(flatten)]
-    settings: corpus::Settings,
-    /// Nodes of all trees.
-    nodes: u64,
-    /// What ended the search.
-    end: End,
-    /// The duration of the search, s.
-    seconds: f64,
-    /// The spaces.
-    spaces: Vec<SpaceResult>,
-    /// The modes of all entities that the world has instances of.
-    modes: Vec<ModeResult>,
-    /// Their edges.
-    edges: Vec<EdgeResult>,
-    /// A way to break each `never` that was met.
-    violations: Vec<Counterexample>,
-}
-
-/// What was covered of a space.
-#[derive(Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-struct SpaceResult {
-    /// Its name.
-    name: String,
-    /// Whether a player was in it.
-    entered: bool,
-    /// Upper sides of tiles and of free-standing geometry on which players can stand.
-    tops: usize,
-    /// Those on which a player stood.
-    tops_stood_on: usize,
-    /// The others, side by side ones together.
-    never_stood_on: Vec<TopResult>,
-    /// Cells of the map that are open to players.
-    cells: usize,
-    /// Those that a player was in.
-    cells_entered: usize,
-}
-
-/// Upper sides at one height, side by side.
-#[derive(Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub(super) struct TopResult {
-    /// The left end, px.
-    pub left: f64,
-    /// The right end, px.
-    pub right: f64,
-    /// The height, px.
-    pub y: f64,
-}
-
-/// A mode.
-#[derive(Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-struct ModeResult {
-    /// The entity.
-    entity: String,
-    /// Its path.
-    mode: String,
-    /// Whether an instance was in it.
-    entered: bool,
-}
-
-/// An edge.
-#[derive(Serialize)]
-#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-struct EdgeResult {
-    /// The entity.
-    entity: String,
-    /// The mode whose edge it is.
-    from: String,
-    /// The target; null if it stays.
-    to: Option<String>,
-    /// The file and the line in it, from 1.
-    place: String,
-    /// Whether an instance took it.
-    taken: bool,
-}
-
-/// The schema of the result.
-#[cfg(feature = "testing")]
-pub(in crate::cli) fn json_schema() -> schemars::Schema {
-    schemars::schema_for!(Exploration)
-}
 
 pub(super) fn run(
     args: &ReachArgs,
@@ -145,7 +44,9 @@ pub(super) fn run(
     if let Some((fault, step)) = outcome.fault {
         show_fact(&loaded.sources, fault.fact(&loaded.program, world, step))?;
     }
-    let result = result(args, (loaded, world), session, (&outcome, &explorer.explored()), watch.seconds());
+    let settings = recorded_settings(args, &session.query().settings);
+    let covered = (&outcome, &explorer.explored());
+    let result = Exploration::new((&args.file, loaded, world), settings, covered, watch.seconds());
     if let Some(path) = &args.svg {
         let drawn = images(&loaded.program, &args.file).map(|images| picture(&result, session, &outcome, &images));
         let written = drawn.and_then(|svg| write(path, svg).map_err(|error| error.to_string()));
@@ -163,88 +64,6 @@ pub(super) fn run(
         }
     }
     Ok(if result.violations.is_empty() { Exit::Yes } else { Exit::No })
-}
-
-fn result(
-    args: &ReachArgs,
-    (loaded, world): (&Loaded, WorldId),
-    session: &Session,
-    (outcome, explored): (&Outcome, &Explored),
-    seconds: f64,
-) -> Exploration {
-    let (program, table): (_, &World) = (&loaded.program, &loaded.program.worlds[world]);
-    let (mut modes, mut edges) = (Vec::new(), Vec::new());
-    for covered in &explored.entities {
-        let entity: &Entity = &program.entities[covered.entity];
-        for mode in entity.modes.iter() {
-            let entered = entity.leaves.ids().any(|leaf| mode.leaves.contains(leaf) && covered.has(leaf));
-            modes.push(ModeResult { entity: entity.name.to_string(), mode: mode.path.clone(), entered });
-        }
-        for (id, edge) in entity.edges.pairs() {
-            edges.push(EdgeResult {
-                entity: entity.name.to_string(),
-                from: entity.modes[edge.source].path.clone(),
-                to: edge.target.map(|mode| entity.modes[mode].path.clone()),
-                place: place(loaded, covered.entity, id),
-                taken: covered.took(id),
-            });
-        }
-    }
-    let never = |covered: &CoveredSpace| runs(covered.tops.iter().filter(|top| !top.is_covered));
-    let spaces = explored.spaces.iter().zip(table.spaces.iter()).map(|(covered, space)| {
-        let ((tops, tops_stood_on), (cells, cells_entered)) = (covered.stood(), covered.cells());
-        SpaceResult {
-            name: space.name.clone(),
-            entered: covered.is_entered,
-            tops,
-            tops_stood_on,
-            never_stood_on: never(covered),
-            cells,
-            cells_entered,
-        }
-    });
-    let violations = outcome.violations.iter().map(|(never, script)| Counterexample {
-        never: table.nevers[*never].name.clone(),
-        steps: script.len(),
-        inputs: script.text(program, world),
-        luck: None,
-    });
-    Exploration {
-        version: RESULT_VERSION,
-        file: args.file.display().to_string(),
-        program_sha256: program_sha256(program),
-        world: table.name.clone(),
-        settings: recorded_settings(args, &session.query().settings),
-        nodes: outcome.statistics.nodes,
-        end: outcome.end,
-        seconds,
-        spaces: spaces.collect(),
-        modes,
-        edges,
-        violations: violations.collect(),
-    }
-}
-
-/// `FILE:LINE` of an edge.
-fn place(loaded: &Loaded, entity: crate::ir::EntityId, edge: EdgeId) -> String {
-    let span = loaded.program.spans.entities[entity].edges[edge];
-    if !loaded.sources.holds(span) {
-        return String::new();
-    }
-    let file = loaded.sources.file(span.file());
-    format!("{}:{}", file.path.display(), file.line_column_utf16(span.start() as usize).0)
-}
-
-/// Tops that are side by side at one height, as one.
-pub(super) fn runs<'t>(tops: impl Iterator<Item = &'t Top>) -> Vec<TopResult> {
-    let mut runs: Vec<TopResult> = Vec::new();
-    for &Top { from: left, to: right, y, .. } in tops {
-        match runs.last_mut().filter(|run| run.y == y && run.right == left) {
-            Some(run) => run.right = right,
-            None => runs.push(TopResult { left, right, y }),
-        }
-    }
-    runs
 }
 
 /// Some of many things, with the number of the others.

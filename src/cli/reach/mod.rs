@@ -17,9 +17,7 @@ mod why_not;
 pub(in crate::cli) use sweep::shade;
 pub(in crate::cli) use text::{Detail as ScriptDetail, counted, with_luck};
 #[cfg(feature = "testing")]
-pub(in crate::cli) use {
-    explore::json_schema as exploration_schema, skill::json_schema as skill_schema, sweep::json_schema as sweep_schema,
-};
+pub(in crate::cli) use {skill::json_schema as skill_schema, sweep::json_schema as sweep_schema};
 
 use std::io::{self, Write};
 use std::ops::ControlFlow;

@@ -5,11 +5,11 @@ Lengths are in pixels (px), times in seconds (s), y points up.
 
 from __future__ import annotations
 
-from hyped._ask import bounds, check, compile, reach, stuck, tune, why, with_level
-from hyped._errors import CompileError, Diagnostic, HypedError, Place, QuestionError, StepError
+from hyped._ask import bounds, check, compile, explore, reach, stuck, tune, why, with_level
+from hyped._errors import CompileError, Diagnostic, HypedError, Place, QuestionError, StepError, UnknownNameError
 from hyped._hyped import Batch, Event, Planes, Program, Simulator, Variables, World
 from hyped._registration import register as _register
-from hyped._results import Answer, Bounds, Reached, Stuck, Trace, Tuned, Why, Witness, trace
+from hyped._results import Answer, Bounds, Explored, Reached, Stuck, Trace, Tuned, Why, Witness, trace
 from hyped._status import FAULT, GOAL, NEVER, OUTSIDE, RUNNING, TIME_UP
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "CompileError",
     "Diagnostic",
     "Event",
+    "Explored",
     "HypedError",
     "Place",
     "Planes",
@@ -36,6 +37,7 @@ __all__ = [
     "Stuck",
     "Trace",
     "Tuned",
+    "UnknownNameError",
     "Variables",
     "Why",
     "Witness",
@@ -43,6 +45,7 @@ __all__ = [
     "bounds",
     "check",
     "compile",
+    "explore",
     "reach",
     "stuck",
     "trace",

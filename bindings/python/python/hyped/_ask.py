@@ -1,4 +1,4 @@
-"""The functions of the package: compile, check, reach, why, stuck, bounds, tune."""
+"""The functions of the package: compile, check, reach, explore, why, stuck, bounds, tune."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from hyped import _hyped
 from hyped._errors import Diagnostic, QuestionError, diagnostics
-from hyped._results import Bounds, Reached, Stuck, Tuned, Why, Witness, answers
+from hyped._results import Bounds, Explored, Reached, Stuck, Tuned, Why, Witness, answers
 
 Source = Union[str, "os.PathLike[str]"]
 """A path, or a text: a ``str`` with a line break or a brace in it is a text."""
@@ -225,6 +225,72 @@ def reach(
     }
     found, pictures, interrupted = _hyped._reach(program, _question(asked), _teller(progress))
     return answers(program, json.loads(found), pictures, interrupted, chance)
+
+
+def explore(
+    program: _hyped.Program,
+    *,
+    world: str | None = None,
+    without: str | None = None,
+    within: int | None = None,
+    min_hold: int | None = None,
+    after: str | Sequence[str] | None = None,
+    planner: str = "auto",
+    nodes: int | None = None,
+    seconds: float | None = None,
+    memory: int | None = None,
+    seed: int = 1,
+    trees: int = 1,
+    threads: int = 1,
+    chance: int | None = None,
+    progress: Progress = None,
+) -> Explored:
+    """Goes wherever it can, and tells what was covered: as ``hypedc reach --explore``. The options are those of
+    ``reach``; what was not found may still be reachable.
+
+    >>> found = explore(compile(TEXT), nodes=500)
+    >>> found.modes[("Ball", "fly")]
+    True
+    """
+    asked = {
+        "world": world,
+        # What nothing reaches.
+        "goals": ["false"],
+        "nevers": [],
+        "without": without,
+        "within": within,
+        "min_hold": min_hold,
+        "after": _names("after", after),
+        "planner": planner,
+        "nodes": nodes,
+        "seconds": None if seconds is None else float(seconds),
+        "memory": memory,
+        "seed": seed,
+        "trees": trees,
+        "threads": threads,
+        "style": None,
+        "chance": chance,
+        "exhaust": False,
+        "sigma": None,
+        "trials": 1,
+        "svg": False,
+    }
+    found, interrupted = _hyped._explore(program, _question(asked), _teller(progress))
+    record = json.loads(found)
+    broken = {
+        of["never"]: Witness(program, record["world"], of["inputs"], of["steps"], chance) for of in record["violations"]
+    }
+    return Explored(
+        world=record["world"],
+        spaces={of["name"]: of["entered"] for of in record["spaces"]},
+        cells=(sum(of["cells_entered"] for of in record["spaces"]), sum(of["cells"] for of in record["spaces"])),
+        floors=(sum(of["tops_stood_on"] for of in record["spaces"]), sum(of["tops"] for of in record["spaces"])),
+        modes={(of["entity"], of["mode"]): of["entered"] for of in record["modes"]},
+        broken=broken,
+        nodes=record["nodes"],
+        interrupted=interrupted,
+        record=record,
+    )
 
 
 def why(

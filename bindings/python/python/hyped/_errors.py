@@ -91,3 +91,10 @@ class QuestionError(HypedError, ValueError):
 
 class StepError(HypedError, ArithmeticError):
     """A program broke a rule of the language in a step: the text names the place. The state is that before the step."""
+
+
+class UnknownNameError(QuestionError, KeyError):
+    """A name that there is not, as in ``run["hero.z"]``. The text says which there are."""
+
+    # KeyError shows the representation of its text: line breaks as \n.
+    __str__ = Exception.__str__

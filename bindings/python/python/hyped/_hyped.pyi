@@ -18,6 +18,7 @@ __all__ = [
     "World",
     "_bounds",
     "_compile",
+    "_explore",
     "_question_name",
     "_reach",
     "_rebuilt",
@@ -380,6 +381,9 @@ def _resumed(program: Program, world: str, seed: int, state: bytes, steps: int) 
 def _reach(
     program: Program, asked: str, progress: Callable[[int, int, int], Any] | None = None
 ) -> tuple[str, list[str], bool]: ...
+def _explore(
+    program: Program, asked: str, progress: Callable[[int, int, int], Any] | None = None
+) -> tuple[str, bool]: ...
 def _stuck(
     program: Program, asked: str, progress: Callable[[int, int, int], Any] | None = None
 ) -> tuple[str, bool]: ...

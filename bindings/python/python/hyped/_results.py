@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hyped import _hyped
+from hyped._errors import UnknownNameError
 
 if TYPE_CHECKING:
     import pandas
@@ -151,7 +152,8 @@ class Reached(Mapping[str, Answer]):
         for answer in self.answers:
             if answer.name == name:
                 return answer
-        raise KeyError(f"no answer to {name!r}; there is {', '.join(answer.name for answer in self.answers) or 'none'}")
+        known = ", ".join(answer.name for answer in self.answers) or "none"
+        raise UnknownNameError(f"no answer to {name!r}; there is {known}")
 
     def __iter__(self) -> Any:
         return iter([answer.name for answer in self.answers])
@@ -189,6 +191,26 @@ def answers(
             )
         )
     return Reached(record["world"], tuple(found), interrupted, record)
+
+
+@dataclass(frozen=True)
+class Explored:
+    """What a search without a question covered; ``docs/formats/results.md`` explains the fields of ``record``."""
+
+    world: str
+    spaces: dict[str, bool]
+    """Whether a player was in each space."""
+    cells: tuple[int, int]
+    """Cells of the maps that a player was in, and all that are open to players."""
+    floors: tuple[int, int]
+    """Upper sides of tiles that a player stood on, and all on which players can stand."""
+    modes: dict[tuple[str, str], bool]
+    """Whether an instance was in each mode, by entity and path of the mode."""
+    broken: dict[str, Witness] = field(repr=False)
+    """A way to break each ``never`` that was met."""
+    nodes: int
+    interrupted: bool
+    record: dict[str, Any] = field(repr=False)
 
 
 @dataclass(frozen=True)
@@ -243,7 +265,7 @@ class Bounds:
                 lows = [float("-inf") if low is None else low for low, _ in ends]
                 highs = [float("inf") if high is None else high for _, high in ends]
                 return (min(lows), max(highs))
-        raise KeyError(f"no variable {name!r}")
+        raise UnknownNameError(f"no variable {name!r}")
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ use std::time::Duration;
 
 use serde::Serialize;
 
+use crate::ask::{TopResult, joined_tops};
 use crate::corpus;
 use crate::ir::{SpaceId, World, WorldId};
 use crate::reach::query::layers::{Cell, Layer, LayerAnswer, STEP, Skill};
 use crate::reach::query::{Kind, Query};
 use crate::reach::{Conclusion, End, Explored, Luck, PLACE, Top};
 
-use super::super::explore::{TopResult, runs};
 use super::super::question::recorded_settings;
 use crate::cli::args::ReachArgs;
 use crate::cli::report::{Loaded, program_sha256};
@@ -164,7 +164,9 @@ fn tops(world: &World, explored: &Explored, is: impl Fn(SpaceId, usize, &Top) ->
         let found = covered.tops.iter().enumerate().filter(|(index, top)| is(id, *index, top)).map(|(_, top)| top);
         let found: Vec<&Top> = found.collect();
         count += found.len() as u64;
-        all.extend(runs(found.into_iter()).into_iter().map(|tops| TopsResult { space: space.name.clone(), tops }));
+        all.extend(
+            joined_tops(found.into_iter()).into_iter().map(|tops| TopsResult { space: space.name.clone(), tops }),
+        );
     }
     (all, count)
 }

@@ -164,7 +164,8 @@ impl Simulator {
         must(touched.all(|tile| tile.index() < tiles), "a tile that it touches is none")
     }
 
-    /// A fingerprint of the meaning of a state's bytes: FNV-1a over the names and structure of the world. Numbers, guards and edges of the program are not part of it.
+    /// A fingerprint of the meaning of a state's bytes: FNV-1a over the names and structure of the world. Numbers, guards
+    /// and edges of the program are not part of it.
     fn fingerprint(&self) -> u64 {
         let mut hash = Fnv::new();
         let mut add = |text: &str| {

@@ -34,6 +34,8 @@ pub(super) struct Code {
     pub limits: Option<Vec<[Range; 2]>>,
     /// Whether a group reads transitions of another group in the same step.
     pub is_joint: bool,
+    /// Whether there is a single group.
+    pub has_one_group: bool,
     /// Whether there is a single group, which drives everything that changes.
     pub is_single: bool,
     /// Whether its actions read nothing of other instances, change nothing but itself, and call for nothing else.
@@ -49,6 +51,8 @@ pub(super) struct Plan {
     pub internal: Vec<Guard>,
     /// Whether there may be more to run in the discrete phase, whatever these are.
     pub is_busy: bool,
+    /// What holds where any of these guards does.
+    pub filter: Filter,
     /// Flows that are constant while the leaf is active, each with the index of its variable.
     pub steady: Vec<(usize, Flow)>,
     /// The other drives.
@@ -96,6 +100,49 @@ pub(super) enum Guard {
     Within(VarId, u8, Range, bool),
     /// Any other expression.
     Expr(ExprId),
+}
+
+/// Conditions at least one of which holds where any of some guards does. They are decided without a reader, and in most
+/// steps none holds, so that no guard need be read.
+#[derive(Debug, Default)]
+pub(super) struct Filter {
+    /// Whether a guard has no such condition.
+    pub is_open: bool,
+    /// Of the first eight contact queries, those that hold, and those that do not.
+    pub touches: [u8; 2],
+    /// The buttons, by [`Press`], that are so, and those that are not.
+    pub buttons: [[u64; 2]; 3],
+    /// Whether there are any of the latter.
+    pub reads_buttons: bool,
+    /// Variables and derivatives, the range of each, and whether it is in it.
+    pub ranges: Vec<(VarId, u8, Range, bool)>,
+}
+
+impl Filter {
+    /// Adds what holds where a guard does, or with `wanted` false where it does not. Of operands that must all hold it is
+    /// the one that is read first: if it does not hold, no other is read, so that no rule is broken.
+    fn add(&mut self, id: ExprId, at: &impl Fn(ExprId) -> Expr, wanted: bool) {
+        match (at(id), wanted) {
+            (Expr::Not(a), _) => self.add(a, at, !wanted),
+            (Expr::Or(a, b), true) | (Expr::And(a, b), false) => {
+                self.add(a, at, wanted);
+                self.add(b, at, wanted);
+            }
+            (Expr::And(a, _), true) | (Expr::Or(a, _), false) => self.add(a, at, wanted),
+            (Expr::Bool(holds), _) => self.is_open |= holds == wanted,
+            _ => match Guard::new(id, at) {
+                Guard::Touching(touch, so) if touch.index() < 8 => {
+                    self.touches[usize::from(so != wanted)] |= 1 << touch.index();
+                }
+                Guard::Button(press, button, so) => {
+                    self.buttons[press as usize][usize::from(so != wanted)] |= 1 << button.index();
+                    self.reads_buttons = true;
+                }
+                Guard::Within(var, degree, range, so) => self.ranges.push((var, degree, range, so == wanted)),
+                Guard::Touching(..) | Guard::Expr(_) => self.is_open = true,
+            },
+        }
+    }
 }
 
 impl Guard {
@@ -153,7 +200,8 @@ impl Code {
         for (var, flow) in always {
             all_steady[var] = flow;
         }
-        let is_single = entity.groups.len() == 1 && free.is_empty();
+        let has_one_group = entity.groups.len() == 1;
+        let is_single = has_one_group && free.is_empty();
         let moves_freely = entity.clamps.is_empty() && entity.timers.is_empty() && !has_peaks(entity);
         let plan = |leaf: &crate::ir::Leaf| {
             let (steady, drives) = split(&leaf.drives);
@@ -163,8 +211,11 @@ impl Code {
             }
             let is_steady = is_single && drives.is_empty();
             let straight = || row.iter().map(|flow| Straight::new(*flow)).collect();
+            let mut filter = Filter::default();
+            leaf.edges.iter().chain(&leaf.internal).for_each(|&edge| filter.add(entity.edges[edge].guard, &at, true));
             Plan {
                 straight: (is_steady && moves_freely).then(straight).flatten(),
+                filter,
                 edges: leaf.edges.iter().map(|&edge| (Guard::new(entity.edges[edge].guard, at), edge)).collect(),
                 internal: leaf.internal.iter().map(|&edge| Guard::new(entity.edges[edge].guard, at)).collect(),
                 // A guard that needs a reference is not read without it.
@@ -184,7 +235,7 @@ impl Code {
         let is_apart = exprs.iter().all(reads_itself) && acts_on_itself(entity);
         let is_joint = exprs.iter().any(|e| matches!(e, Expr::Joint(..)));
         let plans = entity.leaves.iter().map(plan).collect();
-        Code { plans, steady: all_steady, free, limits, is_joint, is_single, is_apart, exprs }
+        Code { plans, steady: all_steady, free, limits, is_joint, has_one_group, is_single, is_apart, exprs }
     }
 }
 
@@ -260,6 +311,8 @@ pub(super) struct Actor {
     pub player: Option<usize>,
     /// Whether it has clamps with variable bounds, or envelopes that record their peak.
     pub is_bounded: bool,
+    /// The offset of the leaf of its first group in a state.
+    pub leaf_at: usize,
 }
 
 /// The actors of a world.
@@ -303,6 +356,7 @@ pub(super) fn actors(program: &Program, world: &World) -> Vec<Actor> {
             signals: entity.signals.len(),
             numbered: entity.numbered_signals(),
             kept: take(&mut all_kept, if layout.tiles.is_some() { entity.bound } else { 0 }),
+            leaf_at: layout.leaf_offset(GroupId(0)),
             layout,
             code,
             base,

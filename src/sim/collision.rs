@@ -395,8 +395,7 @@ impl Simulator {
     fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
         let StepScratch { frames, collision, start, .. } = scratch;
         let fault = Cell::new(None);
-        for (at, body) in self.collision.bodies[..self.collision.moving].iter().enumerate() {
-            let rect = &mut collision.boxes[at];
+        for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
             let layout = body.layout;
             let is_there = |(at, leaves): &(usize, Arc<[bool]>)| leaves[leaf_at(state, *at).index()];
             rect.active = layout.acts(state) && body.by_leaf.as_ref().is_none_or(is_there);

@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use crate::ir::{Clamp, Drive, Entity, Extremes, GroupId, Id, VarId};
+use crate::ir::{Clamp, Drive, Entity, Extremes, Id, VarId};
 
 use super::actor::{Actor, COAST, Flow, Plan, Straight};
 use super::chance::Frames;
@@ -14,7 +14,7 @@ use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::simulator::{Scratch, Simulator};
-use super::state::{one_zero, real, set_moved, set_triple, triple};
+use super::state::{leaf_at, one_zero, real, set_moved, set_triple, triple};
 
 impl Simulator {
     /// Moves every live slot by one step; `STILL` as in [`Simulator::step_of`].
@@ -135,13 +135,18 @@ impl Simulator {
             let values = layout.triples_mut(state, straight.len());
             note_start(actor, values, start);
             let mut sum = 0.0;
-            let mut rest = straight.iter();
-            for values in values.iter_mut() {
-                let Some(flow) = rest.next() else { break };
+            let mut step = |values: &mut [u8; 24], flow: &Straight| {
                 let moved = moved_straight(triple(values), flow, self.step);
                 // Without clamps, a velocity or an acceleration that is not finite makes the position not finite.
                 sum += moved[0];
                 set_moved(values, moved);
+            };
+            // Most instances have no other variables than their position.
+            if let ([x, y], [of_x, of_y]) = (&mut *values, &**straight) {
+                step(x, of_x);
+                step(y, of_y);
+            } else {
+                values.iter_mut().zip(straight).for_each(|(values, flow)| step(values, flow));
             }
             return if f64::is_finite(sum) { Ok(()) } else { diverged(actor, values) };
         }
@@ -202,8 +207,10 @@ impl Simulator {
 #[inline]
 fn steady_plan<'a>(state: &[u8], actor: &'a Actor) -> Option<&'a Plan> {
     let code = &*actor.code;
-    let plan = code.is_single.then(|| &code.plans[actor.layout.leaf(state, GroupId(0))]);
-    plan.filter(|plan| plan.is_steady)
+    if !code.is_single {
+        return None;
+    }
+    Some(&code.plans[leaf_at(state, actor.leaf_at)]).filter(|plan| plan.is_steady)
 }
 
 /// Stores the position before anything moves.

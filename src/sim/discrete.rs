@@ -8,12 +8,14 @@ use crate::ir::{
     Actions, EdgeId, Entity, Follow, GroupId, Id, Leaf, LeafId, Place, Send, SendId, SlotId, Transition, Update,
 };
 
-use super::actor::{Actor, Guard, Plan};
+use super::actor::{Actor, Filter, Guard, Plan};
 use super::chance::Frames;
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
+use super::input::Frame;
 use super::life::Changes;
 use super::simulator::{Scratch, Simulator};
+use super::state::leaf_at;
 
 /// An edge that a group takes in this step.
 #[derive(Debug, Clone, Copy)]
@@ -84,16 +86,14 @@ impl Simulator {
                 continue;
             }
             if !actor.code.is_joint {
-                // No group depends on another.
-                let alone = || self.reader(actor, state, frames, &[], fault);
+                if actor.code.has_one_group {
+                    let from = leaf_at(state, actor.leaf_at);
+                    self.decide_alone(actor, (GroupId(0), from), state, frames, acting, fault);
+                    continue;
+                }
                 for group in actor.group_ids() {
                     let from = actor.layout.leaf(state, group);
-                    let plan = &actor.code.plans[from];
-                    let edge = first_edge(actor, state, frames, plan, alone);
-                    if edge.is_some() || is_busy(actor, state, frames, plan, alone) {
-                        let choice = edge.and_then(|edge| taken_edge(&alone(), &actor.entity, group, from, edge));
-                        acting.push(ActingGroup { slot: actor.id, group, choice });
-                    }
+                    self.decide_alone(actor, (group, from), state, frames, acting, fault);
                 }
                 continue;
             }
@@ -114,6 +114,52 @@ impl Simulator {
                     acting.push(ActingGroup { slot, group, choice });
                 }
             }
+        }
+    }
+
+    /// Whether a group that depends on no other has an action in this step.
+    #[inline(always)]
+    fn decide_alone<'a>(
+        &'a self,
+        actor: &'a Actor,
+        (group, from): (GroupId, LeafId),
+        state: &'a [u8],
+        frames: &'a Frames,
+        acting: &mut Vec<ActingGroup>,
+        fault: &'a Cell<Option<Fault>>,
+    ) {
+        let plan = &actor.code.plans[from];
+        if plan.is_busy || any_passes(actor, state, frames, &plan.filter) {
+            return self.act_alone(actor, (group, from), state, frames, acting, fault);
+        }
+        debug_assert!(
+            {
+                let fault = Cell::new(None);
+                let alone = || self.reader(actor, state, frames, &[], &fault);
+                let is_busy = is_busy(actor, state, frames, plan, alone);
+                !is_busy && first_edge(actor, state, frames, plan, alone).is_none() && fault.get().is_none()
+            },
+            "a guard holds that no condition of the filter lets through"
+        );
+    }
+
+    /// The action of a group that depends on no other, if it has one.
+    #[inline(never)]
+    fn act_alone<'a>(
+        &'a self,
+        actor: &'a Actor,
+        (group, from): (GroupId, LeafId),
+        state: &'a [u8],
+        frames: &'a Frames,
+        acting: &mut Vec<ActingGroup>,
+        fault: &'a Cell<Option<Fault>>,
+    ) {
+        let plan = &actor.code.plans[from];
+        let alone = || self.reader(actor, state, frames, &[], fault);
+        let edge = first_edge(actor, state, frames, plan, alone);
+        if edge.is_some() || is_busy(actor, state, frames, plan, alone) {
+            let choice = edge.and_then(|edge| taken_edge(&alone(), &actor.entity, group, from, edge));
+            acting.push(ActingGroup { slot: actor.id, group, choice });
         }
     }
 
@@ -281,6 +327,32 @@ fn first_edge<'a>(
 #[inline(always)]
 fn is_busy<'a>(actor: &Actor, state: &[u8], frames: &Frames, plan: &Plan, reader: impl Fn() -> Reader<'a>) -> bool {
     plan.is_busy || plan.internal.iter().any(|guard| holds(actor, state, frames, *guard, &reader))
+}
+
+/// Whether any condition of a filter holds; if not, no guard does.
+#[inline(always)]
+fn any_passes(actor: &Actor, state: &[u8], frames: &Frames, filter: &Filter) -> bool {
+    if filter.is_open {
+        return true;
+    }
+    let [touching, apart] = filter.touches;
+    if touching | apart != 0 {
+        let touches = actor.layout.first_touches(state);
+        if touches & touching | !touches & apart != 0 {
+            return true;
+        }
+    }
+    if filter.reads_buttons {
+        // Without a player no button is down.
+        let any = frames.of(actor).map(|frame| frame.any(&filter.buttons));
+        if any.unwrap_or_else(|| Frame::default().any(&filter.buttons)) {
+            return true;
+        }
+    }
+    filter.ranges.iter().any(|&(var, degree, (low, high), wanted)| {
+        let value = actor.layout.moving_var(state, var, degree);
+        (low <= value && value <= high) == wanted
+    })
 }
 
 /// Whether a guard holds.

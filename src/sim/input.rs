@@ -105,6 +105,13 @@ impl Frame {
         Frame { buttons, axes: now.axes }
     }
 
+    /// Whether any button is as asked: those that must be so and those that must not, by [`Press`].
+    #[inline]
+    pub fn any(&self, asked: &[[u64; 2]; 3]) -> bool {
+        let all = self.buttons.iter().zip(asked);
+        all.fold(0, |any, (buttons, [so, not])| any | buttons & so | !buttons & not) != 0
+    }
+
     /// Whether a button is as asked.
     #[inline]
     pub fn button(&self, press: Press, button: ButtonId) -> bool {

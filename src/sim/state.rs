@@ -423,6 +423,12 @@ impl SlotLayout {
         state[self.touches + touch.index() / 8] >> (touch.index() % 8) & 1 == 1
     }
 
+    /// The bits of the first eight contact queries, of an instance with any.
+    #[inline]
+    pub(super) fn first_touches(&self, state: &[u8]) -> u8 {
+        state[self.touches]
+    }
+
     /// Sets the bit of a contact query.
     #[inline]
     pub fn set_touch(&self, state: &mut [u8], touch: TouchId) {

@@ -61,8 +61,11 @@ pub(super) struct Plan {
     pub row: Vec<Flow>,
     /// Whether these are all drives of the entity.
     pub is_steady: bool,
-    /// The same flows without branches, if these are all drives and nothing else bounds or records what moves.
+    /// The same flows without branches, if these are all drives, no clamp has variable bounds and no envelope records its
+    /// peak.
     pub straight: Option<Box<[Straight]>>,
+    /// Whether what has neither velocity nor acceleration stays where it is.
+    pub rests: bool,
     /// The timers that run.
     pub timers: Vec<TimerId>,
 }
@@ -202,7 +205,17 @@ impl Code {
         }
         let has_one_group = entity.groups.len() == 1;
         let is_single = has_one_group && free.is_empty();
-        let moves_freely = entity.clamps.is_empty() && entity.timers.is_empty() && !has_peaks(entity);
+        let number = |id: ExprId| match at(id) {
+            Expr::Number(n) => Some(n),
+            _ => None,
+        };
+        let limits = (!entity.clamps.is_empty()).then(|| limits(entity, number)).flatten();
+        let is_straight = (entity.clamps.is_empty() || limits.is_some()) && !has_peaks(entity);
+        // A value that an update has put beyond its bounds comes back.
+        let may_rest = |[(low, high), (slowest, fastest)]: &[Range; 2]| {
+            low.is_infinite() && high.is_infinite() && *slowest <= 0.0 && 0.0 <= *fastest
+        };
+        let may_rest = limits.as_ref().is_none_or(|limits| limits.iter().all(may_rest));
         let plan = |leaf: &crate::ir::Leaf| {
             let (steady, drives) = split(&leaf.drives);
             let mut row = all_steady.clone();
@@ -214,7 +227,8 @@ impl Code {
             let mut filter = Filter::default();
             leaf.edges.iter().chain(&leaf.internal).for_each(|&edge| filter.add(entity.edges[edge].guard, &at, true));
             Plan {
-                straight: (is_steady && moves_freely).then(straight).flatten(),
+                straight: (is_steady && is_straight).then(straight).flatten(),
+                rests: may_rest && row.iter().all(|flow| matches!(flow, (1, 0.0) | &COAST)),
                 filter,
                 edges: leaf.edges.iter().map(|&edge| (Guard::new(entity.edges[edge].guard, at), edge)).collect(),
                 internal: leaf.internal.iter().map(|&edge| Guard::new(entity.edges[edge].guard, at)).collect(),
@@ -227,11 +241,6 @@ impl Code {
                 timers: entity.timers.pairs().filter(|(_, t)| leaf.path.contains(&t.mode)).map(|(id, _)| id).collect(),
             }
         };
-        let number = |id: ExprId| match at(id) {
-            Expr::Number(n) => Some(n),
-            _ => None,
-        };
-        let limits = (!entity.clamps.is_empty()).then(|| limits(entity, number)).flatten();
         let is_apart = exprs.iter().all(reads_itself) && acts_on_itself(entity);
         let is_joint = exprs.iter().any(|e| matches!(e, Expr::Joint(..)));
         let plans = entity.leaves.iter().map(plan).collect();

@@ -7,7 +7,7 @@ use std::cell::Cell;
 
 use crate::ir::{Clamp, Drive, Entity, Extremes, Id, VarId};
 
-use super::actor::{Actor, COAST, Flow, Plan, Straight};
+use super::actor::{Actor, COAST, Flow, Plan, Range, Straight};
 use super::chance::Frames;
 use super::discrete::TakenEdge;
 use super::envelope::{envelope_value, next_peak};
@@ -119,6 +119,35 @@ impl Simulator {
         }
     }
 
+    /// Integrates the variables of an instance by constant flows.
+    #[inline(always)]
+    fn move_straight(&self, actor: &Actor, straight: &[Straight], values: &mut [[u8; 24]]) -> Result<(), Fault> {
+        let mut sum = 0.0;
+        if let Some(limits) = &actor.code.limits {
+            for ((values, flow), limits) in values.iter_mut().zip(straight).zip(limits) {
+                let clip = |value, degree: usize| within(limits[degree], value);
+                let moved = moved_straight(triple(values), flow, self.step, clip);
+                sum += total(moved);
+                set_moved(values, moved);
+            }
+        } else {
+            let mut step = |values: &mut [u8; 24], flow: &Straight| {
+                let moved = moved_straight(triple(values), flow, self.step, |value, _| value);
+                // Without clamps, a velocity or an acceleration that is not finite makes the position not finite.
+                sum += moved[0];
+                set_moved(values, moved);
+            };
+            // Most instances have no other variables than their position.
+            if let ([x, y], [of_x, of_y]) = (&mut *values, straight) {
+                step(x, of_x);
+                step(y, of_y);
+            } else {
+                values.iter_mut().zip(straight).for_each(|(values, flow)| step(values, flow));
+            }
+        }
+        if f64::is_finite(sum) { Ok(()) } else { diverged(actor, values) }
+    }
+
     /// Integrates an instance with the evaluated values.
     #[inline(always)]
     fn move_by(
@@ -131,24 +160,16 @@ impl Simulator {
         start: &mut [(f64, f64)],
     ) -> Result<(), Fault> {
         let layout = &actor.layout;
-        if let Some(Plan { straight: Some(straight), .. }) = steady {
+        if let Some(plan @ Plan { straight: Some(straight), .. }) = steady {
             let values = layout.triples_mut(state, straight.len());
             note_start(actor, values, start);
-            let mut sum = 0.0;
-            let mut step = |values: &mut [u8; 24], flow: &Straight| {
-                let moved = moved_straight(triple(values), flow, self.step);
-                // Without clamps, a velocity or an acceleration that is not finite makes the position not finite.
-                sum += moved[0];
-                set_moved(values, moved);
-            };
-            // Most instances have no other variables than their position.
-            if let ([x, y], [of_x, of_y]) = (&mut *values, &**straight) {
-                step(x, of_x);
-                step(y, of_y);
-            } else {
-                values.iter_mut().zip(straight).for_each(|(values, flow)| step(values, flow));
+            if !(plan.rests && values.iter().all(is_still)) {
+                self.move_straight(actor, straight, values)?;
             }
-            return if f64::is_finite(sum) { Ok(()) } else { diverged(actor, values) };
+            if !plan.timers.is_empty() {
+                self.count_timers(state, actor);
+            }
+            return Ok(());
         }
         let flows = match steady {
             Some(plan) => &*plan.row,
@@ -167,13 +188,8 @@ impl Simulator {
             }
         } else if let Some(limits) = &actor.code.limits {
             for (index, values) in values.iter_mut().enumerate() {
-                let within = |v: f64, degree: u8| {
-                    let (low, high) = limits[index][usize::from(degree)];
-                    // Compared by hand: `max` and `min` of a float take thrice as many instructions, for NaN.
-                    let v = if v < low { low } else { v };
-                    if v > high { high } else { v }
-                };
-                let moved = moved(triple(values), flows[index], self.step, within);
+                let clip = |v, degree: u8| within(limits[index][usize::from(degree)], v);
+                let moved = moved(triple(values), flows[index], self.step, clip);
                 sum += total(moved);
                 set_moved(values, moved);
             }
@@ -203,6 +219,13 @@ impl Simulator {
     }
 }
 
+/// Whether a variable has neither velocity nor acceleration.
+#[inline(always)]
+fn is_still(values: &[u8; 24]) -> bool {
+    let [_, velocity, acceleration] = triple(values);
+    velocity.to_bits() | acceleration.to_bits() == 0
+}
+
 /// The plan of an instance with a single group, if it gives all flows.
 #[inline]
 fn steady_plan<'a>(state: &[u8], actor: &'a Actor) -> Option<&'a Plan> {
@@ -221,12 +244,25 @@ fn note_start(actor: &Actor, values: &[[u8; 24]], start: &mut [(f64, f64)]) {
     }
 }
 
-/// A variable after a step of a constant flow.
+/// The nearest value of a range.
 #[inline(always)]
-fn moved_straight([position, velocity, acceleration]: [f64; 3], flow: &Straight, dt: f64) -> [f64; 3] {
+fn within((low, high): Range, value: f64) -> f64 {
+    // Compared by hand: `max` and `min` of a float take thrice as many instructions, for NaN.
+    let value = if value < low { low } else { value };
+    if value > high { high } else { value }
+}
+
+/// A variable after a step of a constant flow; `clip` clamps a value of a degree.
+#[inline(always)]
+fn moved_straight(
+    [position, velocity, acceleration]: [f64; 3],
+    flow: &Straight,
+    dt: f64,
+    clip: impl Fn(f64, usize) -> f64,
+) -> [f64; 3] {
     let acceleration = acceleration * flow.keeps[0] + flow.adds[0];
-    let velocity = velocity * flow.keeps[1] + (acceleration * dt + flow.adds[1]);
-    [position + velocity * dt, velocity, acceleration]
+    let velocity = clip(velocity * flow.keeps[1] + (acceleration * dt + flow.adds[1]), 1);
+    [clip(position + velocity * dt, 0), velocity, acceleration]
 }
 
 /// A variable after a step; `clip` clamps a value of a degree.

@@ -638,6 +638,37 @@ fn what_a_clamp_hides_stops_the_run_too() {
     assert_eq!(fault("mode m { x' = HUGE; when true { x := HUGE } }"), None);
 }
 
+#[test]
+fn what_rests_obeys_clamps_and_timers() {
+    let program = program(compile_text(
+        "entity Crate {
+             button far
+             clamp x <= 100
+             mode still {
+                 when pressed(far) { x := 500 }
+                 when timer >= 5frames -> later
+             }
+             mode later { x' = 0 }
+         }
+         entity Drifter { clamp x' >= 60; mode idle { y' = 0 } }
+         entity Idler { clamp x' in -1..1; mode idle { x' = 0; y' = 0 } }
+         world W { step 1/60
+             space main { place crate: Crate at (0, 7); place drifter: Drifter at (0, 0); place idler: Idler at (3, 4) }
+             player 1: crate
+         }",
+    ));
+    let mut run = Run::new(&program);
+    run.step("-");
+    assert_eq!((run.var("crate", "x"), run.var("drifter", "x")), (0.0, 1.0));
+    run.step("far");
+    assert_eq!((run.var("crate", "x"), run.var("crate", "y")), (100.0, 7.0));
+    assert_eq!(run.modes("crate"), ["still"]);
+    run.step("-*4");
+    assert_eq!(run.modes("crate"), ["later"]);
+    assert_eq!((run.var("drifter", "x"), run.var("drifter", "x'")), (6.0, 60.0));
+    assert_eq!((run.var("idler", "x"), run.var("idler", "y")), (3.0, 4.0));
+}
+
 /// A hero of 16 px in a world of rectangles and tiles.
 fn among(walls: &str, entity: &str, at: &str) -> Arc<Program> {
     program(compile_text(&format!(

@@ -4,9 +4,10 @@ reach a goal, and its way is compared with that of a planner.
     pip install 'hyped[torch]'
     python bindings/python/examples/ppo.py [FRAMES]
 
-The world is that of examples/hills.hyped: over slopes to a picnic. The reward is the progress along x, 5 at
-the goal, and a little less for each step. It trains until six of ten episodes reach the goal; it seldom gets far beyond
-that. With one seed: 63 % after 164,000 frames, the shortest episode 493 steps, where the planner takes 352.
+The world is that of examples/hills.hyped: over slopes to a picnic. The goal is its flag, without the flowers: which of
+them are left the agent does not see. The reward is the progress along x, 5 at the goal, and a little less for each
+step. With seeds 1 to 5, 97 % of the episodes reach the goal after 200,000 to 300,000 frames, in 374 to 401 steps at
+best, where the planner takes 378.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from torch.distributions import Categorical
 import hyped
 from hyped.env import LevelVectorEnv
 
-FILE, GOAL = "examples/hills.hyped", "picnic"
+FILE, GOAL = "examples/hills.hyped", "hero touching flag"
 OBSERVE = ["hero.x", "hero.y", "hero.x'", "hero.y'", "hero.mode"]
 SCALE = np.array([256.0, 128.0, 100.0, 200.0, 1.0], np.float32)
 OPTIONS: dict[str, Any] = {
@@ -35,7 +36,7 @@ OPTIONS: dict[str, Any] = {
 }
 ENVS, STEPS, EPOCHS, MINIBATCHES = 64, 128, 4, 4
 GAMMA, LAMBDA, CLIP, ENTROPY, RATE = 0.99, 0.95, 0.2, 0.01, 1e-3
-ENOUGH = 0.6
+ENOUGH = 0.97
 """The share of episodes that reach the goal at which training ends."""
 REPEAT = 4
 """Number of steps of the world for each action: nobody decides sixty times a second."""

@@ -6,7 +6,7 @@ reach a goal, and its way is compared with that of a planner.
 
 The world is that of examples/hills.hyped: over slopes to a picnic. The goal is its flag, without the flowers: which of
 them are left the agent does not see. The reward is the progress along x, 5 at the goal, and a little less for each
-step. With seeds 1 to 5, 97 % of the episodes reach the goal after 200,000 to 300,000 frames, in 374 to 401 steps at
+step. With seeds 1 to 5, 97 % of the episodes reach the goal after 200,000 to 300,000 frames, in 372 to 401 steps at
 best, where the planner takes 378.
 """
 

@@ -7,23 +7,22 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::corpus::{CSV_HEADER, Key, Record, Row, ShardHeader, StoredRow, csv_line};
+use crate::diagnostic::catalogue::file::Unreadable;
 use crate::json::{self, Layout};
 use crate::source::ReadError;
 use crate::tabular::csv;
 
 use crate::cli::disk::{is_regular, open, replace, rows as disk_rows};
+use crate::cli::refusal::Refusal;
 
 /// Reads a file of rows that is not written to.
 ///
 /// Why it cannot be read; `not` says what it is not, such as `a baseline`.
-pub(in crate::cli) fn read(path: &Path, not: &str) -> Result<Record, String> {
-    let cannot = |why: String| format!("cannot read `{}`: {why}", path.display());
-    let mut file = open(path).map_err(|error| match error {
-        ReadError::Unreadable(why) => cannot(why),
-        ReadError::NotUtf8(_) | ReadError::TooLarge(_) => cannot("it is no text".to_string()),
-    })?;
-    let text = disk_rows(&mut file).map_err(cannot)?;
-    Record::read(&text).map_err(|bad| format!("`{}` is not {not}; {bad}", path.display()))
+pub(in crate::cli) fn read(path: &Path, not: &str) -> Result<Record, Refusal> {
+    let mut file = open(path).map_err(|error| Refusal::of(Unreadable::named(path, error)))?;
+    let text =
+        disk_rows(&mut file).map_err(|why| Refusal::Plain(format!("cannot read `{}`: {why}", path.display())))?;
+    Record::read(&text).map_err(|bad| Refusal::Plain(format!("`{}` is not {not}; {bad}", path.display())))
 }
 
 /// The file of rows, open for appending.

@@ -90,8 +90,8 @@ pub(in crate::cli) fn run(args: &ReachArgs) -> io::Result<Exit> {
         .and_then(|shard| Ok((Files::open(args, shard.as_ref())?, shard)));
     let (files, shard) = match opened {
         Ok(opened) => opened,
-        Err(why) => {
-            plain_error(&why)?;
+        Err(refusal) => {
+            refusal.show(&loaded.sources)?;
             return Ok(Exit::Refused);
         }
     };
@@ -141,15 +141,16 @@ struct Files {
 
 impl Files {
     /// Opens all files early: a misspelt folder is reported now, not after an hour.
-    fn open(args: &ReachArgs, shard: Option<&ShardHeader>) -> Result<Self, String> {
+    fn open(args: &ReachArgs, shard: Option<&ShardHeader>) -> Result<Self, Refusal> {
         let of = &args.corpus;
         let baseline = of.baseline.as_deref().map(|path| read(path, "a baseline")).transpose()?;
-        let record = of.results.as_deref().map(|path| RecordFile::open(path, shard)).transpose()?;
+        let record =
+            of.results.as_deref().map(|path| RecordFile::open(path, shard)).transpose().map_err(Refusal::Plain)?;
         for path in of.junit.iter().chain(&args.page.html) {
             let opened = File::options().create(true).append(true).open(path);
-            opened.map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+            opened.map_err(|error| Refusal::Plain(format!("cannot write `{}`: {error}", path.display())))?;
         }
-        let csv = of.csv.as_deref().map(CsvFile::create).transpose()?;
+        let csv = of.csv.as_deref().map(CsvFile::create).transpose().map_err(Refusal::Plain)?;
         Ok(Files { record, csv, baseline })
     }
 }

@@ -8,6 +8,7 @@ use crate::reach::query::Kind;
 use super::files::read;
 use super::level::Level;
 use crate::cli::args::ReachArgs;
+use crate::cli::refusal::Refusal;
 use crate::cli::report::{program_sha256, sha256};
 
 /// The header of the shard that is asked for; none without `--shard`.
@@ -18,14 +19,14 @@ pub(super) fn header(
     (program, world): (&Program, &str),
     levels: &[Level],
     targets: &[(Kind, String)],
-) -> Result<Option<ShardHeader>, String> {
+) -> Result<Option<ShardHeader>, Refusal> {
     let Some(shard) = args.corpus.shard else { return Ok(None) };
     if args.corpus.baseline.is_some() {
-        return Err(
+        return Err(Refusal::Plain(
             "`--baseline` compares whole runs: join the shards by `hypedc merge`, then give the joined file as \
                     `--results` to the same command without `--shard`, which asks nothing again"
                 .to_string(),
-        );
+        ));
     }
     let key = |level: &Level, (kind, goal): &(Kind, String)| Key {
         level: level.path.as_ref().map(|path| path.display().to_string()),
@@ -34,12 +35,12 @@ pub(super) fn header(
     };
     let keys: Vec<Key> = levels.iter().flat_map(|level| targets.iter().map(move |target| key(level, target))).collect();
     if shard.count as usize > keys.len() {
-        return Err(format!(
+        return Err(Refusal::Plain(format!(
             "`--shard {shard}`: {} questions (levels: {}, goals: {}) make at most as many shards",
             keys.len(),
             levels.len(),
             targets.len()
-        ));
+        )));
     }
     let costs = match &args.corpus.costs {
         Some(path) => Some(read(path, "the `--results` file of an older run")?),
@@ -51,7 +52,7 @@ pub(super) fn header(
         row.error.is_none().then_some(row.timing.seconds + row.timing.analysis_seconds)
     };
     let of = shards(&keys.iter().map(cost).collect::<Vec<_>>(), shard.count);
-    let plan = json::bytes(&(&keys, &of), Layout::Compact).map_err(|error| error.to_string())?;
+    let plan = json::bytes(&(&keys, &of), Layout::Compact).map_err(|error| Refusal::Plain(error.to_string()))?;
     let questions = keys.len();
     let part = keys.into_iter().zip(of).enumerate().filter(|(_, (_, of))| *of == shard.index);
     Ok(Some(ShardHeader {

@@ -6,38 +6,39 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::corpus::{Incomplete, Merged, Part, Row, StoredRow, merge, summary};
+use crate::source::SourceMap;
 
 use crate::cli::Exit;
 use crate::cli::corpus::files::{RecordFile, read};
-use crate::cli::report::plain_error;
+use crate::cli::refusal::Refusal;
 use args::MergeArgs;
 
 /// Maximum number of missing questions that are listed for a shard.
 const MAX_LISTED: usize = 10;
 
 pub(in crate::cli) fn run(args: &MergeArgs) -> io::Result<Exit> {
-    let refused = |why: &str| plain_error(why).map(|()| Exit::Refused);
+    let refused = |why: Refusal| why.show(&SourceMap::new()).map(|()| Exit::Refused);
     let same = |a: &Path, b: &Path| a.canonicalize().ok().is_some_and(|a| Some(a) == b.canonicalize().ok());
     if let Some(path) = args.files.iter().find(|path| same(path, &args.output)) {
-        return refused(&format!(
+        return refused(Refusal::Plain(format!(
             "`{}` is both read and written: give the output a name that the pattern of the inputs does not include",
             path.display()
-        ));
+        )));
     }
     let part = |path: &std::path::PathBuf| {
         let record = read(path, "a `--results` file of `hypedc reach`")?;
         Ok(Part { name: path.display().to_string(), record })
     };
-    let parts = match args.files.iter().map(part).collect::<Result<Vec<Part>, String>>() {
+    let parts = match args.files.iter().map(part).collect::<Result<Vec<Part>, Refusal>>() {
         Ok(parts) => parts,
-        Err(why) => return refused(&why),
+        Err(why) => return refused(why),
     };
     let merged = match merge(&parts) {
         Ok(merged) => merged,
-        Err(why) => return refused(&why),
+        Err(why) => return refused(Refusal::Plain(why)),
     };
     if let Err(why) = RecordFile::open(&args.output, None).and_then(|file| file.finish(&merged.rows)) {
-        return refused(&why);
+        return refused(Refusal::Plain(why));
     }
     write!(io::stdout(), "{}", text(&merged, args))?;
     Ok(if merged.incomplete.is_empty() { Exit::Yes } else { Exit::No })

@@ -84,10 +84,20 @@ export async function playing(of, t, args, options) {
 /** A value of the game of a page. */
 export const game = (page, what) => page.evaluate(`globalThis.studio.game.${what}`);
 
+/** Whether a condition holds; it does not where the page left for another while it was asked. */
+async function holds(page, condition) {
+  try {
+    return await page.evaluate(`Boolean(${condition})`);
+  } catch (error) {
+    if (/context was destroyed/.test(error.message)) return false;
+    throw error;
+  }
+}
+
 /** Waits for a condition. It is asked from here: the page's policy lets nothing in it evaluate a text. */
 export async function until(page, condition, timeout = 20_000) {
   const end = Date.now() + timeout;
-  while (!(await page.evaluate(`Boolean(${condition})`))) {
+  while (!(await holds(page, condition))) {
     assert.ok(Date.now() < end, `not after ${timeout} ms: ${condition}`);
     await new Promise((done) => setTimeout(done, 10));
   }

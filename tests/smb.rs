@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::support::{Disk, assert_leads_to, program, script, sized};
-use hypedc::analysis::configuration_space;
+use hypedc::analysis::{configuration_space, watched_space};
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::query::{Query, Session};
-use hypedc::reach::{Limits, Problem, Settings, Target, Verdict, reach};
+use hypedc::reach::{Limits, Monitor, Planner, Problem, Settings, Target, Verdict, reach};
 use hypedc::sim::Simulator;
 use hypedc::source::{Files, ReadError};
 use hypedc::watch::Unwatched;
@@ -215,4 +215,53 @@ fn a_gap_of_twenty_tiles_is_never_jumped() {
     let program = level(&text.join("\r\n"));
     let verdict = search(&program, 1, 40_000);
     assert!(!matches!(verdict, Verdict::Reached(_)), "{verdict:?}");
+}
+
+/// The level 1-1 whose ground is missing for some columns from the tenth on, and what stood there; without its enemies if
+/// that is asked.
+fn gap(tiles: usize, has_enemies: bool) -> Arc<Program> {
+    let cut = |row: &str| -> String {
+        let columns = row.chars().enumerate();
+        let kept = columns.map(|(at, tile)| match tile {
+            _ if (10..10 + tiles).contains(&at) => '-',
+            'E' if !has_enemies => '-',
+            _ => tile,
+        });
+        kept.collect()
+    };
+    level(&corpus("1-1").lines().map(cut).collect::<Vec<_>>().join("\n"))
+}
+
+/// Whether the analysis of falls rules the end of the level out, for runs on which nothing that may never be is.
+fn is_ruled_out(program: &Arc<Program>) -> bool {
+    let nevers: Vec<_> = program.worlds[WORLD].nevers.iter().map(|never| never.holds).collect();
+    let space = watched_space(program, WORLD, &nevers, &Unwatched).by_flight(program, WORLD, &nevers, &Unwatched);
+    // Searches look at each of their states whether it is one of the space.
+    let sim = Simulator::new(program, WORLD);
+    let monitor = Monitor::new(&space, program, WORLD);
+    let end = program.worlds[WORLD].goals.find(|goal| goal.name == "end").unwrap();
+    for planner in [Planner::Coverage, Planner::DistanceGuided] {
+        let problem = Problem::new(&sim, end).monitored(&monitor);
+        let settings = Settings { planner, ..Settings::default() };
+        hypedc::reach::search(&problem, &space, &settings, &Limits { nodes: 2_000, ..Limits::default() }, &Unwatched)
+            .unwrap();
+    }
+    assert!(monitor.refutation().is_none(), "{:?}", monitor.refutation());
+    !space.can_hold(program, WORLD, end)
+}
+
+/// He runs at 2.5 px a step and jumps for 64 steps at most: over ten tiles and what his body overlaps, but not over more
+/// than two above that.
+#[test]
+fn a_gap_that_no_jump_crosses_is_proven() {
+    for (tiles, is_too_wide) in [(8, false), (9, false), (13, true), (16, true)] {
+        assert_eq!(is_ruled_out(&gap(tiles, false)), is_too_wide, "{tiles}");
+    }
+}
+
+/// Whom he steps on throws him up, but only where they can be.
+#[test]
+fn a_gap_among_enemies_is_proven() {
+    assert!(is_ruled_out(&gap(20, true)));
+    assert!(!is_ruled_out(&gap(8, true)));
 }

@@ -12,7 +12,8 @@
 //! contact determines the positions of both bodies (`surroundings`), a body that moves in small steps among obstacles
 //! stays in its reachable region (`region`), and the distance covered in a number of steps is bounded (`travel_bound`).
 //! Speed and height under a constant acceleration are related by `energy`. Things that can be used up only once bound
-//! the counters that count them (`counter_bounds`). Players can be distinguished by place (`cells`, `local`).
+//! the counters that count them (`counter_bounds`). Players can be distinguished by place (`cells`, `local`),
+//! and by the courses of their falls (`flights`).
 //!
 //! Losses: variables are otherwise not related to each other, nor are instances. An entity with more than a thousand
 //! combinations of leaves, or a world that needs too many steps, is given up: everything is possible then.
@@ -27,6 +28,7 @@
 //! | `geometry` | bodies, tiles, static obstacles, ends of pushes, summaries of kinds |
 //! | `step` | the phases of a step over sets of values |
 //! | `fixpoint` | the iteration, with initial states and narrowing |
+//! | `flights` | players told apart by the courses of their falls, within the result of the iteration |
 //! | `membership` | fast membership test of a state, which searches apply to every state |
 //! | `travel_bound` | how far an instance gets in a number of steps |
 //! | `varied` | the analysis for all values of some parameters at once |
@@ -58,6 +60,7 @@
 mod domain;
 mod findings;
 mod fixpoint;
+mod flights;
 mod geometry;
 mod membership;
 mod never;
@@ -92,6 +95,9 @@ use step::forbidden::Forbidden;
 
 /// Maximum number of branches, if players are distinguished by place.
 const MAX_BRANCHES_BY_PLACE: usize = 60_000;
+
+/// Maximum number of configurations that are told apart by the courses of falls.
+const MAX_FLIGHTS: usize = 150_000;
 
 /// Maximum number of branches of steps per world; above it, the world is given up and everything is possible.
 const MAX_BRANCHES: usize = 300_000;
@@ -239,6 +245,25 @@ impl ConfigurationSpace {
             let is_known = finer.slots.iter().all(|s| !s.is_given_up);
             self.finer = is_known.then(|| Box::new(finer));
         }
+        self
+    }
+
+    /// Adds a second analysis that tells players apart by the courses of their falls (`flights`), for runs on which the
+    /// predicates never hold. Nothing changes if that is not possible, or too much.
+    #[must_use]
+    pub fn by_flight(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
+        let table = &*breakable::prepared(program, &program.worlds[world]);
+        let forbidden = Forbidden { program, world: table, predicates };
+        let limits = (counter_bounds::limits(program, table), &KNOWN);
+        let mut analysis = Analysis::new(Scene::new(program, table, watch), forbidden, limits, MAX_BRANCHES, watch);
+        analysis.run();
+        let Some(found) = analysis.by_flight(&mut { MAX_FLIGHTS }) else { return self };
+        let mut finer = analysis.finish();
+        for (slot, configurations) in found {
+            finer.slots[slot].configurations = configurations;
+        }
+        finer.finer = self.finer.take();
+        self.finer = Some(Box::new(finer));
         self
     }
 

@@ -146,11 +146,9 @@ fn reach_monitored(
     if let Some(far) = TooFar::of(problem, space, watch)? {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Distance(far)), "analysis"));
     }
-    let mut proof = None;
-    let mut closer_proof = || -> bool {
-        let closer = whole.clone().by_place(of, world, &nevers, watch);
-        proof = Proof::of(problem, &closer);
-        if let (Some(_), Some(monitor)) = (&proof, problem.monitor()) {
+    let prove = |closer: ConfigurationSpace| -> Option<Proof> {
+        let proof = Proof::of(problem, &closer)?;
+        if let Some(monitor) = problem.monitor() {
             // The search was monitored against less than this proof rests on, so its beginning is repeated. A fault at
             // the start would have ended it already.
             let finer_monitor = Monitor::new(&closer, program, world);
@@ -158,6 +156,11 @@ fn reach_monitored(
             let _ = search(&again, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch);
             finer_monitor.refutation().into_iter().for_each(|refutation| monitor.note(refutation));
         }
+        Some(proof)
+    };
+    let mut proof = None;
+    let mut closer_proof = || -> bool {
+        proof = prove(whole.clone().by_place(of, world, &nevers, watch));
         proof.is_some()
     };
     let is_auto = settings.planner == Planner::Auto && limits.nodes > QUICK_NODES;
@@ -166,10 +169,20 @@ fn reach_monitored(
     if let Some(proof) = proof {
         return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
     }
-    // The engine of the page has no room for it.
+    // The engine of the page has no room for more.
     #[cfg(feature = "ask")]
-    if settings.planner == Planner::Auto && settings.exhausts {
-        return exact::conclude(problem, outcome, settings, limits, watch);
+    {
+        let is_open = outcome.verdict == Verdict::NotFound && outcome.end != End::Stopped && outcome.fault.is_none();
+        if is_auto && is_open {
+            let by_flight = whole.clone().by_flight(of, world, &nevers, watch);
+            if let Some(proof) = prove(by_flight) {
+                let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
+                return Ok(Outcome { nearest: outcome.nearest, ..answer });
+            }
+        }
+        if settings.planner == Planner::Auto && settings.exhausts {
+            return exact::conclude(problem, outcome, settings, limits, watch);
+        }
     }
     Ok(outcome)
 }

@@ -91,7 +91,12 @@ impl Claims {
         let table = &program.worlds[world];
         let by_place = |space: ConfigurationSpace, predicates: &[ExprId]| match is_given_up(&space) {
             true => space,
-            false => space.by_place(program, world, predicates, &poll_limit()),
+            false => space.by_place(program, world, predicates, &poll_limit()).by_flight(
+                program,
+                world,
+                predicates,
+                &poll_limit(),
+            ),
         };
         let free = is_free(program, table);
         let mut said = None;

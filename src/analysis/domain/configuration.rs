@@ -18,8 +18,19 @@ pub struct Configuration {
     pub timers: IdVec<TimerId, Interval>,
     /// The spaces the instance can be in.
     pub spaces: Arc<BTreeSet<SpaceId>>,
+    /// What the last step has done to it, if that is told apart.
+    pub(in crate::analysis) trace: Option<Trace>,
     /// Values of its variables. Most branches of a step do not change them, so they are shared until written.
     pub(in crate::analysis) numbers: Arc<Numbers>,
+}
+
+/// What a step has done to an instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::analysis) struct Trace {
+    /// Whether anything but its flows has changed its height or its velocity along y.
+    pub is_disturbed: bool,
+    /// Whether it was pushed along y: by its low and by its high side.
+    pub pushed: [bool; 2],
 }
 
 /// Values of the variables of an instance.
@@ -137,7 +148,7 @@ impl Configuration {
         let energy = vars.iter().map(|_| None).collect();
         let timers = (0..timers).map(|_| Interval::point(0.0)).collect();
         let numbers = Arc::new(Numbers { vars, discretes, params: IdVec::new(), energy });
-        Configuration { leaves: Vec::new(), timers, spaces: Arc::new(spaces), numbers }
+        Configuration { leaves: Vec::new(), timers, spaces: Arc::new(spaces), trace: None, numbers }
     }
 
     /// Sets a variable (degree 0), its velocity (1) or acceleration (2).
@@ -187,6 +198,7 @@ impl Configuration {
         };
         self.timers.iter().zip(there.timers.iter()).all(|(a, b)| b.low <= a.low && a.high <= b.high)
             && (Arc::ptr_eq(&self.spaces, &there.spaces) || self.spaces.is_subset(&there.spaces))
+            && (there.trace.is_none() || self.trace == there.trace)
             && (self.shares(there) || numbers())
     }
 
@@ -217,8 +229,9 @@ impl Configuration {
             true => Arc::clone(&self.spaces),
             false => Arc::new(self.spaces.union(&other.spaces).copied().collect()),
         };
+        let trace = self.trace.filter(|trace| other.trace == Some(*trace));
         if self.shares(other) {
-            return Configuration { timers, spaces, ..self.clone() };
+            return Configuration { timers, spaces, trace, ..self.clone() };
         }
         // An energy can be computed for any acceleration.
         let energy = |var: VarId| {
@@ -235,6 +248,6 @@ impl Configuration {
             params: self.params.iter().zip(other.params.iter()).map(|(a, b)| a.or(b)).collect(),
             energy: self.energy.ids().map(energy).collect(),
         };
-        Configuration { leaves: self.leaves.clone(), timers, spaces, numbers: Arc::new(numbers) }
+        Configuration { leaves: self.leaves.clone(), timers, spaces, trace, numbers: Arc::new(numbers) }
     }
 }

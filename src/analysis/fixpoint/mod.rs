@@ -177,11 +177,7 @@ impl<'a> Analysis<'a> {
     /// Joins a configuration into a slot; returns true if the slot grew. `from` is the configuration that led to it:
     /// growth caused by a configuration itself is weighted differently, and is ignored while narrowing.
     pub(in crate::analysis) fn grow(&mut self, slot: SlotId, mut found: Configuration, from: Option<&Key>) -> bool {
-        if self.slots[slot].is_given_up {
-            return false;
-        }
-        cut(&mut found, &self.limits[slot]);
-        if found.is_impossible() || !self.forbidden.cut(slot, &mut found) {
+        if self.slots[slot].is_given_up || !self.restrict(slot, &mut found) {
             return false;
         }
         let mut changed = false;
@@ -201,6 +197,13 @@ impl<'a> Analysis<'a> {
             }
         }
         changed
+    }
+
+    /// Restricts a configuration to what its counters and the predicates that never hold allow; returns whether anything is
+    /// left.
+    pub fn restrict(&self, slot: SlotId, found: &mut Configuration) -> bool {
+        cut(found, &self.limits[slot]);
+        !found.is_impossible() && self.forbidden.cut(slot, found)
     }
 
     /// The cells into which a slot's positions are divided.
@@ -446,6 +449,14 @@ impl<'a> Analysis<'a> {
         changed
     }
 
+    /// The initial configurations of a slot that exists from the start.
+    pub fn begins(&mut self, slot: SlotId) -> Vec<Configuration> {
+        let known = std::mem::take(&mut self.slots[slot].configurations);
+        self.begin(slot);
+        let begins = std::mem::replace(&mut self.slots[slot].configurations, known);
+        begins.into_values().map(|growing| growing.at).collect()
+    }
+
     /// The context in which expressions of an instance or of the world are evaluated.
     pub fn reader<'s>(&'s self, me: Option<(SlotId, &'s Configuration)>) -> Reader<'s> {
         Reader {
@@ -477,6 +488,7 @@ impl<'a> Analysis<'a> {
             step: self.world.step.seconds(),
             flow_groups,
             motion_edges,
+            grids: None,
         }
     }
 

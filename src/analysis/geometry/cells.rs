@@ -15,19 +15,16 @@ use crate::watch::Meter;
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::Interval;
-use crate::analysis::geometry::body::{Kind, ROUNDING, along, near, rounded};
+use crate::analysis::geometry::body::{Kind, along, near, rounded};
+use crate::analysis::geometry::grid::{Grid, MARGIN};
 use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::tiles::Tiles;
 
 /// The number of a cell.
 pub(in crate::analysis) type CellId = u32;
 
-/// Margin of a cell around all obstacles, px.
-const MARGIN: f64 = 1.0;
 /// Maximum number of fine cells.
 const MAX_CELLS: usize = 4_000;
-/// Half the size of a cell for an exact fit, px.
-const THIN: f64 = 4.0 * ROUNDING;
 /// Maximum number of values of a discrete variable that are distinguished, and of combinations of them.
 const MAX_VALUES: i32 = 4;
 const MAX_COMBINATIONS: u32 = 16;
@@ -44,42 +41,11 @@ pub(in crate::analysis) enum Cells {
 /// Cells between all lines at which pushes end.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analysis) struct Fine {
-    grids: Vec<Grid>,
+    /// The number of the first cell of each.
+    grids: Vec<(u32, Grid)>,
     discretes: Vec<(DiscreteId, (i32, i32))>,
     /// Number of cells for each combination of discrete values.
     count: u32,
-}
-
-/// The cells of a space.
-#[derive(Debug, Clone, PartialEq)]
-struct Grid {
-    space: SpaceId,
-    /// The number of its first cell.
-    first: u32,
-    /// The lines between cells.
-    lines: [Vec<f64>; 2],
-    /// Row by row, whether a cell lies inside a blocking obstacle.
-    is_blocked: Vec<bool>,
-}
-
-impl Grid {
-    /// Number of cells along an axis.
-    fn count(&self, axis: usize) -> usize {
-        self.lines[axis].len() + 1
-    }
-
-    fn side(&self, axis: usize, at: usize) -> Interval {
-        let lines = &self.lines[axis];
-        let low = at.checked_sub(1).and_then(|i| lines.get(i)).copied().unwrap_or(f64::NEG_INFINITY);
-        Interval { low, high: lines.get(at).copied().unwrap_or(f64::INFINITY) }
-    }
-
-    /// The cells along an axis that an interval overlaps.
-    fn range(&self, axis: usize, hull: Interval) -> std::ops::RangeInclusive<usize> {
-        let lines = &self.lines[axis];
-        lines.partition_point(|x| rounded(Interval::point(*x)).high < hull.low)
-            ..=lines.partition_point(|x| rounded(Interval::point(*x)).low <= hull.high)
-    }
 }
 
 impl Cells {
@@ -120,52 +86,11 @@ impl Cells {
         let around = [hull(0)?, hull(1)?];
         let mut out = Fine { grids: Vec::new(), discretes: Vec::new(), count: 0 };
         for ((space, surfaces), probed) in surfaces.iter().zip(probed) {
-            let lines = [0, 1].map(|axis| {
-                let [mut lines, mut others] = surfaces.lines(axis);
-                [&mut lines, &mut others].into_iter().for_each(in_order);
-                // An exact fit between two obstacles gets its own cell.
-                let is_at = |x: f64| {
-                    let at = others.partition_point(|o| *o < x - ROUNDING / 2.0);
-                    others.get(at).is_some_and(|o| *o <= x + ROUNDING / 2.0)
-                };
-                let thin: Vec<f64> = lines.iter().copied().filter(|x| is_at(*x)).collect();
-                lines.extend(others);
-                in_order(&mut lines);
-                lines.retain(|x| thin.iter().all(|t| (t - x).abs() > ROUNDING / 2.0));
-                lines.extend(thin.into_iter().flat_map(|x| [x - THIN, x + THIN]));
-                if !probed[axis].is_empty() {
-                    lines.extend(&probed[axis]);
-                    in_order(&mut lines);
-                }
-                lines.push(around[axis].low - MARGIN);
-                lines.push(around[axis].high + MARGIN);
-                lines.sort_by(f64::total_cmp);
-                lines
-            });
-            // Nearly equal lines would leave slivers that are too narrow to represent.
-            let is_sliver = |lines: &[f64]| lines.windows(2).any(|pair| pair[1] - pair[0] < THIN);
-            if lines.iter().any(|lines| is_sliver(lines)) {
-                return None;
-            }
-            let mut grid = Grid { space: *space, first: out.count, lines, is_blocked: Vec::new() };
-            let (across, up) = (grid.count(0), grid.count(1));
-            if across.saturating_mul(up).saturating_add(out.count as usize) > MAX_CELLS {
-                return None;
-            }
-            grid.is_blocked = vec![false; across * up];
-            for sides in blocking(*space) {
-                let inside = |axis: usize, at: usize| {
-                    let Interval { low, high } = grid.side(axis, at);
-                    low.is_finite() && high.is_finite() && sides[axis].contains((low + high) / 2.0)
-                };
-                let columns: Vec<usize> = (0..across).filter(|at| inside(0, *at)).collect();
-                let rows: Vec<usize> = (0..up).filter(|at| inside(1, *at)).collect();
-                for row in rows {
-                    columns.iter().for_each(|column| grid.is_blocked[row * across + column] = true);
-                }
-            }
-            out.count += (across * up) as u32;
-            out.grids.push(grid);
+            let left = MAX_CELLS.saturating_sub(out.count as usize);
+            let grid = Grid::new(*space, surfaces, probed, around, left, || blocking(*space))?;
+            let first = out.count;
+            out.count += (grid.count(0) * grid.count(1)) as u32;
+            out.grids.push((first, grid));
         }
         let mut combinations = 1;
         for (id, discrete) in entity.discretes.pairs() {
@@ -209,12 +134,6 @@ impl Cells {
     }
 }
 
-/// Sorts lines and removes duplicates.
-fn in_order(lines: &mut Vec<f64>) {
-    lines.sort_by(f64::total_cmp);
-    lines.dedup_by(|a, b| (*a - *b).abs() <= ROUNDING / 2.0);
-}
-
 fn within(sides: &[Interval; 2], at: &mut Configuration) {
     for axis in 0..2 {
         let var = VarId(axis);
@@ -225,8 +144,8 @@ fn within(sides: &[Interval; 2], at: &mut Configuration) {
 impl Fine {
     fn cut(&self, cell: CellId, at: &mut Configuration) {
         let (mut combination, number) = (cell / self.count.max(1), cell % self.count.max(1));
-        let Some(grid) = self.grids.iter().rev().find(|g| g.first <= number) else { return };
-        let (number, across) = ((number - grid.first) as usize, grid.count(0));
+        let Some((first, grid)) = self.grids.iter().rev().find(|(first, _)| *first <= number) else { return };
+        let (number, across) = ((number - first) as usize, grid.count(0));
         let sides = [grid.side(0, number % across), grid.side(1, number / across)].map(rounded);
         within(&sides, at);
         if at.spaces.len() > 1 {
@@ -258,7 +177,7 @@ impl Fine {
         let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
         let [Some(x), Some(y)] = hulls else { return 0 };
         let of = |grid: &Grid| grid.range(0, x).count().saturating_mul(grid.range(1, y).count());
-        let cells: usize = self.grids.iter().filter(|g| at.spaces.contains(&g.space)).map(of).sum();
+        let cells: usize = self.grids.iter().map(|(_, g)| g).filter(|g| at.spaces.contains(&g.space)).map(of).sum();
         cells.saturating_mul(self.combinations(at).len())
     }
 
@@ -267,7 +186,7 @@ impl Fine {
         let [Some(x), Some(y)] = hulls else { return Vec::new() };
         let combinations = self.combinations(at);
         let mut out = Vec::new();
-        for grid in self.grids.iter().filter(|g| at.spaces.contains(&g.space)) {
+        for (first, grid) in self.grids.iter().filter(|(_, g)| at.spaces.contains(&g.space)) {
             for row in grid.range(1, y) {
                 for column in grid.range(0, x) {
                     let number = row * grid.count(0) + column;
@@ -275,7 +194,7 @@ impl Fine {
                         continue;
                     }
                     for combination in &combinations {
-                        let id = combination * self.count + grid.first + number as u32;
+                        let id = combination * self.count + first + number as u32;
                         let mut part = at.clone();
                         self.cut(id, &mut part);
                         if !part.is_impossible() {

@@ -182,12 +182,47 @@ impl Surfaces {
         }
     }
 
+    /// As [`Surfaces::edges`], along an axis: by which end of a collider, the edge, and the positions across from which it is
+    /// pushed there. Neighbours with the same edge are one.
+    pub fn pushes(
+        &self,
+        at: [Interval; 2],
+        far: f64,
+        axis: usize,
+        leaves: &[LeafId],
+    ) -> Vec<(usize, Interval, Interval)> {
+        let mut out: Vec<(usize, Interval, Interval)> = Vec::new();
+        for end in 0..2 {
+            let first = out.len();
+            for surface in self.around(at).filter(|s| s.is_pushing && self.presences[s.body].is_there(leaves)) {
+                let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end]) else { continue };
+                let from = match end {
+                    0 => Interval { low: edge - far, high: edge },
+                    _ => Interval { low: edge, high: edge + far },
+                };
+                if let (Some(_), Some(across)) = (rounded(from).and(at[axis]), surface.near[1 - axis].and(at[1 - axis]))
+                {
+                    out.push((end, rounded(Interval::point(edge)), across));
+                }
+            }
+            out[first..].sort_by(|(_, a, at), (_, b, bt)| a.low.total_cmp(&b.low).then(at.low.total_cmp(&bt.low)));
+        }
+        out.dedup_by(|(end, edge, across), (known, same, all)| {
+            let is_one = end == known && edge == same && across.low <= all.high;
+            if is_one {
+                *all = all.or(*across);
+            }
+            is_one
+        });
+        out
+    }
+
     /// Boxes of positions in which an instance can be after pushes of at most `far` px when a contact query holds.
-    /// `also` holds further surfaces that push.
+    /// `also` holds further surfaces that push, `pushed` tells along which axes it can have been pushed.
     pub fn touched(
         &self,
         touch: &Touch,
-        at: [Interval; 2],
+        (at, pushed): ([Interval; 2], [bool; 2]),
         far: f64,
         also: Option<&Surfaces>,
         out: &mut Vec<[Interval; 2]>,
@@ -212,6 +247,9 @@ impl Surfaces {
                 let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end] || is_corner) else {
                     continue;
                 };
+                if !pushed[axis] && surface.is_open[axis][end] {
+                    continue;
+                }
                 // The deepest push to that side wins.
                 let end_of_push = rounded(match end {
                     0 => Interval { low: edge, high: edge + far },

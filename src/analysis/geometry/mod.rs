@@ -3,6 +3,7 @@
 pub(in crate::analysis) mod body;
 pub(in crate::analysis) mod breakable;
 pub(in crate::analysis) mod cells;
+pub(in crate::analysis) mod grid;
 pub(in crate::analysis) mod kind_summary;
 pub(in crate::analysis) mod local;
 pub(in crate::analysis) mod placement;

@@ -19,7 +19,7 @@ impl Stepper<'_> {
         beginning: Beginning,
         flow_cache: &mut FlowCache,
         outcome: &mut Outcome,
-    ) -> Option<Configuration> {
+    ) -> Vec<Configuration> {
         let Some(flow_groups) = self.flow_groups.filter(|_| !beginning.is_put) else {
             return self.flow(next, beginning, outcome);
         };
@@ -31,6 +31,7 @@ impl Stepper<'_> {
             alike(flow_groups)
                 && self.collider_groups.is_none_or(alike)
                 && known.spaces == next.spaces
+                && known.trace == next.trace
                 && (known.shares(next) || known.numbers == next.numbers)
         };
         if let Some((_, found)) = flow_cache.iter().find(|(known, _)| same(known)) {
@@ -57,7 +58,7 @@ impl Stepper<'_> {
     }
 
     /// Flows, envelopes, clamps and collisions.
-    fn flow(&self, next: &Configuration, beginning: Beginning, outcome: &mut Outcome) -> Option<Configuration> {
+    fn flow(&self, next: &Configuration, beginning: Beginning, outcome: &mut Outcome) -> Vec<Configuration> {
         let entity = self.entity();
         let Beginning { displacement, is_put } = beginning;
         let reader = self.flowing_at(next, is_put);
@@ -117,10 +118,16 @@ impl Stepper<'_> {
                 }
             };
             moved.vars[var] = new;
+            // Where falls are told apart, it would tell nothing more.
+            if self.grids.is_some() {
+                moved.forget_energy(var);
+                continue;
+            }
             let fall = self.fall(*drive, &moved.vars[var][2]);
             moved.energy[var] = fall.and_then(|fall| Some((fall, self.energy_after(next, &moved, var, fall)?)));
         }
-        let mut own = displacement;
+        let mut by = [Interval::point(0.0); 2];
+        let mut step = [None; 2];
         let mut speeds = [0.0_f64; 2];
         for (axis, speed) in speeds.iter_mut().enumerate() {
             let var = VarId::XY[axis];
@@ -133,13 +140,26 @@ impl Stepper<'_> {
                 || entity.clamps.iter().any(|c| c.var == var && c.degree == 0);
             *speed = if is_put { far } else { velocity };
             let by_velocity = moved.vars[var][1].hull().map_or(Interval::point(0.0), |v| v.times(dt));
-            own[axis] = own[axis].plus(if is_put { way } else { by_velocity });
+            by[axis] = if is_put { way } else { by_velocity };
+            step[axis] = (!is_put).then_some(self.step);
         }
         let far =
             [0, 1].map(|axis| moved.vars[VarId(axis)][1].hull().map_or(0.0, |v| v.high.greatest(-v.low) * self.step));
+        let own = [0, 1].map(|axis| displacement[axis].plus(by[axis]));
+        let motion = Motion { from: VarId::XY.map(|var| next.vars[var][0]), own, by, step, far };
         let begin = VarId::XY.map(|var| next.vars[var][0]);
-        let motion = Motion { from: begin, own, far };
-        let contact = self.reader.surroundings.collide(self.reader.world, self.slot, motion, &mut moved);
+        let apart = self.grids.and_then(|grids| {
+            let surroundings = self.reader.surroundings;
+            Some((
+                VarId::XY.map(|var| moved.vars[var][0]),
+                surroundings.collide_apart(self.slot, &motion, &moved, grids)?,
+            ))
+        });
+        let (contact, all) = apart.unwrap_or_else(|| {
+            let contact = self.reader.surroundings.collide(self.reader.world, self.slot, motion, &mut moved);
+            moved.trace = None;
+            (contact, vec![moved])
+        });
         let greatest = |known: &mut [f64; 2]| *known = [known[0].greatest(speeds[0]), known[1].greatest(speeds[1])];
         greatest(&mut outcome.speed);
         // A step that leaves the area of the obstacles, or crosses it, counts as near them.
@@ -150,10 +170,15 @@ impl Stepper<'_> {
         for (known, at) in outcome.contact.iter_mut().zip(contact) {
             *known = known.or(&at);
         }
-        bring_in(self.reader.world, &mut moved);
-        let mut moved = within_bounds(self.reader.world, self.slot, moved);
-        moved.sharpen();
-        (!moved.is_impossible()).then_some(moved)
+        let ended = |mut moved: Configuration| {
+            bring_in(self.reader.world, &mut moved);
+            let mut moved = within_bounds(self.reader.world, self.slot, moved);
+            if self.grids.is_none() {
+                moved.sharpen();
+            }
+            (!moved.is_impossible()).then_some(moved)
+        };
+        all.into_iter().filter_map(ended).collect()
     }
 
     /// The free fall of a drive with a constant acceleration.

@@ -17,6 +17,8 @@ use crate::ir::{
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::geometry::body::Body;
+use crate::analysis::geometry::grid::Grid;
 use crate::analysis::geometry::placement::{PlacedColliders, Placement};
 use crate::analysis::geometry::scene::Scene;
 use crate::analysis::step::evaluate::{Phase, Reader};
@@ -53,7 +55,7 @@ pub(in crate::analysis) struct Outcome {
 }
 
 /// Results of the continuous phase by configuration.
-pub(in crate::analysis) type FlowCache = Vec<(Configuration, Option<Configuration>)>;
+pub(in crate::analysis) type FlowCache = Vec<(Configuration, Vec<Configuration>)>;
 
 /// The abstract step of one slot.
 pub(in crate::analysis) struct Stepper<'a> {
@@ -68,6 +70,8 @@ pub(in crate::analysis) struct Stepper<'a> {
     pub collider_groups: Option<&'a [bool]>,
     /// The edges whose effect depends on position or motion.
     pub motion_edges: &'a IdVec<EdgeId, bool>,
+    /// If pushes are told apart: the cells of each space.
+    pub grids: Option<&'a [Grid]>,
 }
 
 /// The start of the continuous phase.
@@ -251,25 +255,19 @@ impl<'a> Stepper<'a> {
         }
         for (beginning, next) in nexts {
             let mut moved = self.cached_flow(&next, beginning, flow_cache, outcome);
-            if let Some(moved) = &mut moved {
+            for moved in &mut moved {
                 moved.leaves.clone_from(&next.leaves);
                 moved.timers = self.time(&next);
             }
-            self.activations(at, &next.leaves, moved.as_ref(), outcome);
+            self.activations(at, &next.leaves, &moved, outcome);
             outcome.next.extend(moved);
         }
     }
 
     /// A collider that is switched on can overlap an obstacle, at the old position as well as at the new one, as
-    /// contacts on the way can push the instance. This counts even if the step has no result (`moved` is `None`) or an
+    /// contacts on the way can push the instance. This counts even if the step has no result (`moved` is empty) or an
     /// impossible one: facts about pushes hold only for the colliders and positions that are registered here.
-    fn activations(
-        &self,
-        from: &Configuration,
-        leaves: &[LeafId],
-        moved: Option<&Configuration>,
-        outcome: &mut Outcome,
-    ) {
+    fn activations(&self, from: &Configuration, leaves: &[LeafId], moved: &[Configuration], outcome: &mut Outcome) {
         let kind = &self.scene.kinds[self.scene.of[self.slot]];
         for (collider, body) in self.entity().colliders.ids().zip(&kind.bodies) {
             let Some(presence) = &body.presence else { continue };
@@ -285,7 +283,13 @@ impl<'a> Stepper<'a> {
             }
             let was_unblocked = !kind.kept_out_while().holds_for(&from.leaves);
             let colliders = PlacedColliders::One { collider, was_unblocked };
-            let at = [Some(from), moved].into_iter().flatten().filter_map(Placement::of);
+            // If nothing else has pushed it on the way, it has moved into obstacles no further than any body.
+            let stays = |body: &Body| {
+                let is_there = |leaves: &[LeafId]| body.presence.as_ref().is_none_or(|p| p.is_there(leaves));
+                body.is_pushed && is_there(&from.leaves) && is_there(leaves)
+            };
+            let moved = if kind.bodies.iter().any(stays) { moved } else { &[] };
+            let at = std::iter::once(from).chain(moved).filter_map(Placement::of);
             outcome.placements.extend(at.map(|l| Placement { colliders: colliders.clone(), ..l }));
         }
     }
@@ -372,6 +376,9 @@ impl<'a> Stepper<'a> {
                 let energy = energy.filter(|_| degree == 1 && self.slows(update.value, var, at));
                 next.set(var, usize::from(degree), value);
                 next.forget_energy(var);
+                if let Some(trace) = next.trace.as_mut().filter(|_| var == VarId::Y) {
+                    trace.is_disturbed |= !(degree == 1 && self.slows(update.value, var, at));
+                }
                 if let Some(((fall, energy), position)) = energy {
                     next.set_energy(var, (fall, fall.slowed(energy, position)));
                 }
@@ -445,6 +452,7 @@ impl<'a> Stepper<'a> {
     ) -> Configuration {
         let mut out = next.clone();
         out.spaces = Arc::new([link.space].into());
+        out.trace = None;
         let (from, to) = (link.from, link.to);
         let link_overlap = match put {
             [false, false] => self.link_overlap(space, link, next, is_kept_out),

@@ -18,6 +18,7 @@ use crate::analysis::domain::unknown::known_or;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::geometry::body::{Body, Extent, Kind, Pair, near};
 use crate::analysis::geometry::cells::{Cells, near_statics};
+use crate::analysis::geometry::grid::Grid;
 use crate::analysis::geometry::local::Surfaces;
 use crate::analysis::geometry::presence::Presence;
 use crate::analysis::geometry::probe_lines::probe_lines;
@@ -194,6 +195,28 @@ impl<'a> Scene<'a> {
             }
         }
         is_refined
+    }
+
+    /// The plane of each space, cut at all lines at which pushes of a kind can end, with the surfaces there; `None` if a
+    /// collider is not constant, or if there are too many.
+    pub fn grids(&mut self, number: usize, most: usize) -> Option<Vec<Grid>> {
+        let kind = &self.kinds[number];
+        let around = kind.near?;
+        let mut left = most;
+        let (mut grids, mut all) = (Vec::new(), Vec::new());
+        for space in self.world.spaces.ids() {
+            if self.world.spaces[space].wraps() {
+                return None;
+            }
+            let surfaces = Surfaces::new(self.world, kind, space, &self.meter)?;
+            let blocking = || self.blocking(kind, space);
+            let grid = Grid::new(space, &surfaces, [Vec::new(), Vec::new()], around, left, blocking)?;
+            left -= grid.is_blocked.len();
+            grids.push(grid);
+            all.push((space, Arc::new(surfaces)));
+        }
+        self.surfaces[number] = all;
+        Some(grids)
     }
 
     /// Recomputes the bodies of a kind after the parameters of its slots have grown.

@@ -3,6 +3,8 @@
 //! A push moves an edge of a collider onto an edge of the obstacle. So a body that a static obstacle pushes ends at a
 //! known position, and a contact with a blocking surface determines the position of the body.
 
+mod apart;
+
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -17,6 +19,9 @@ use crate::analysis::geometry::presence::KeptOut;
 use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::scene::Scene;
 use crate::analysis::geometry::seam;
+
+/// Boxes of positions, px, with their spaces.
+type Places = Vec<(SpaceId, [Interval; 2])>;
 
 /// The possible contacts of every slot.
 #[derive(Debug, Default, Clone)]
@@ -65,6 +70,8 @@ pub(in crate::analysis) struct Contacts {
     obstacles: Vec<(SpaceId, Surfaces)>,
     /// For each contact query, per axis, the positions at which it can hold for another instance.
     places_of_others: Vec<[Values; 2]>,
+    /// The same by place, if the others are told apart by theirs; empty if not.
+    boxes_of_others: Vec<Option<Places>>,
 }
 
 /// How an instance has moved before contacts are detected.
@@ -73,6 +80,10 @@ pub(in crate::analysis) struct Motion {
     pub from: [Values; 2],
     /// Per axis, its own displacement since the last collision, px.
     pub own: [Interval; 2],
+    /// The same since the continuous phase began.
+    pub by: [Interval; 2],
+    /// Per axis, the length of the step, s, if it has moved by its velocity alone.
+    pub step: [Option<f64>; 2],
     /// Per axis, the displacement by velocities since then, px.
     pub far: [f64; 2],
 }
@@ -135,7 +146,10 @@ impl Surroundings {
         let mut out = Vec::new();
         let [Some(x), Some(y)] = hulls else { return Some(out) };
         let others = contacts.places_of_others.get(id.index())?;
-        if let (Some(x), Some(y)) = (others[0].within(x).hull(), others[1].within(y).hull()) {
+        if let Some(Some(boxes)) = contacts.boxes_of_others.get(id.index()) {
+            let here = boxes.iter().filter(|(space, _)| at.spaces.contains(space));
+            out.extend(here.filter_map(|(_, place)| Some([place[0].and(x)?, place[1].and(y)?])));
+        } else if let (Some(x), Some(y)) = (others[0].within(x).hull(), others[1].within(y).hull()) {
             out.push([x, y]);
         }
         // A bound contact query names an instance, or a tile that can be broken.
@@ -143,7 +157,9 @@ impl Surroundings {
             let far = contacts.longest[0].greatest(contacts.longest[1]);
             for (space, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
                 let mut also = contacts.obstacles.iter().filter(|(of, _)| of == space).map(|(_, s)| s);
-                surfaces.touched(touch, [x, y], far, also.next(), &mut out);
+                // What was not pushed along y touches nothing there that pushes.
+                let pushed = [true, at.trace.is_none_or(|trace| trace.pushed != [false; 2])];
+                surfaces.touched(touch, ([x, y], pushed), far, also.next(), &mut out);
             }
         }
         Some(out)

@@ -1,0 +1,422 @@
+//! Configurations of an instance told apart by the courses of its falls: a second analysis of one instance, among others
+//! of which the first has found what they can do.
+//!
+//! How far a jump leads depends on how long it lasts, and so on the relation of height, speed and way, which intervals
+//! alone do not know. Here a fall is followed step by step from where it begins: at a push along y, or where an edge sets
+//! the height or the velocity. Configurations are joined only if as many steps have passed since the same beginning, and
+//! only where they lie side by side along x. The dynamics are monotonic, so the ends of the joined heights and velocities
+//! are those of real falls. What neither rises nor falls may have moved along for any time, with any speed: it is widened to
+//! all places up to the next edge. This is trace partitioning (Rival and Mauborgne, *The trace partitioning abstract
+//! domain*, TOPLAS 2007) by the last event that began a fall.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use crate::ir::{Extremes, LeafId, Origin, SlotId, VarId};
+use crate::watch::Watch;
+
+use crate::analysis::domain::configuration::{Configuration, Trace};
+use crate::analysis::domain::values::{Interval, Values};
+use crate::analysis::fixpoint::Analysis;
+use crate::analysis::geometry::grid::{Grid, THIN};
+use crate::analysis::geometry::surroundings::Surroundings;
+use crate::analysis::step::Stepper;
+use crate::analysis::step::evaluate::Reader;
+
+/// Maximum number of configurations of a course that are told apart by place.
+const MAX_PARTS: usize = 256;
+/// Maximum number of steps of a fall.
+const MAX_AGE: u32 = 1 << 12;
+/// Maximum number of cells of the spaces of a world.
+const MAX_CELLS: usize = 1 << 18;
+
+/// What is not joined: the modes, where a fall began, and the number of steps since.
+type Course = (Vec<LeafId>, Option<Trace>, Beginning, u32);
+
+/// Falls that begin this near to each other are not told apart, px.
+const ROW: f64 = 8.0;
+
+/// How far below everything falls are still followed, px.
+const BELOW: f64 = 256.0;
+/// To what the heights are widened at which a fall begins, px.
+const STEP: f64 = 4.0;
+
+/// Where falls begin that are not told apart: the row, and whether they rise or fall there.
+type Beginning = (i64, [bool; 2]);
+
+/// A configuration at some places of a course.
+#[derive(Debug)]
+struct Part {
+    x: Interval,
+    at: Configuration,
+    /// Whether it is still to be stepped.
+    is_due: bool,
+}
+
+/// The courses that were found.
+struct Flights<'a> {
+    slot: SlotId,
+    is_player: bool,
+    stepper: Stepper<'a>,
+    analysis: &'a Analysis<'a>,
+    grids: &'a [Grid],
+    /// All values while some leaves are active.
+    known: BTreeMap<Vec<LeafId>, Configuration>,
+    numbers: BTreeMap<Course, usize>,
+    /// Of each course: its parts, in order along x and apart, and whether it is queued.
+    courses: Vec<(Course, Vec<Part>, bool)>,
+    /// The courses with parts that are to be stepped: first of all those that were widened.
+    due: [VecDeque<usize>; 2],
+}
+
+impl Analysis<'_> {
+    /// The configurations of the players, told apart; takes its work from `effort`. `None` if that is not possible for any,
+    /// or too much.
+    pub(in crate::analysis) fn by_flight(&mut self, effort: &mut usize) -> Option<Vec<(SlotId, Vec<Configuration>)>> {
+        let players: Vec<SlotId> = self.world.players.iter().map(|player| player.slot).collect();
+        let falls = |slot: &SlotId| {
+            let known = self.slots[*slot].configurations.values();
+            known.into_iter().any(|growing| growing.at.vars[VarId::Y][2] != Values::point(0.0))
+        };
+        if players.is_empty() || !players.iter().all(|slot| self.begins_once(*slot) && falls(slot)) {
+            return None;
+        }
+        // Those that players meet come first: where they are tells where contacts with them can be.
+        let mut met: BTreeSet<usize> = BTreeSet::new();
+        for slot in &players {
+            met.extend(Surroundings::asked_kinds(&self.scene, *slot));
+        }
+        let mut others: BTreeMap<usize, Vec<Configuration>> = BTreeMap::new();
+        for kind in met {
+            let slots = self.scene.kinds[kind].slots.clone();
+            let live: Vec<SlotId> = slots.into_iter().filter(|slot| self.overall[*slot].can_live).collect();
+            if live.iter().any(|slot| !self.begins_once(*slot)) {
+                continue;
+            }
+            let found = live.into_iter().map(|slot| self.flown(slot, &others, effort));
+            if let Some(found) = found.collect::<Option<Vec<_>>>() {
+                others.insert(kind, found.into_iter().flatten().collect());
+            }
+        }
+        players.into_iter().map(|slot| Some((slot, self.flown(slot, &others, effort)?))).collect()
+    }
+
+    /// Whether a slot holds an instance from the start, and none later.
+    fn begins_once(&self, slot: SlotId) -> bool {
+        let begun = &self.world.slots[slot];
+        let is_spawned = self.program.entities.iter().any(|of| of.spawns.iter().any(|s| s.entity == begun.entity));
+        !self.slots[slot].is_given_up
+            && (begun.origin == Origin::Named || (begun.origin == Origin::Tile && !is_spawned))
+    }
+
+    /// The configurations of a slot, told apart, among others that are.
+    fn flown(
+        &mut self,
+        slot: SlotId,
+        others: &BTreeMap<usize, Vec<Configuration>>,
+        effort: &mut usize,
+    ) -> Option<Vec<Configuration>> {
+        let grids = self.scene.grids(self.scene.of[slot], MAX_CELLS)?;
+        let mut surroundings = Surroundings::new(&mut self.scene, &self.overall);
+        if !surroundings.can_tell_apart(slot) {
+            return None;
+        }
+        surroundings.tell_others(&self.scene, slot, others);
+        let begins = self.begins(slot);
+        let watch = self.watch;
+        flights(self, &surroundings, slot, (&grids, begins), effort, watch)
+    }
+}
+
+/// The configurations of a slot, told apart; takes its work from `effort`. `None` if there is not enough of it, or if the
+/// watch stops it.
+fn flights<'a>(
+    analysis: &'a Analysis<'a>,
+    surroundings: &'a Surroundings,
+    slot: SlotId,
+    (grids, begins): (&'a [Grid], Vec<Configuration>),
+    effort: &mut usize,
+    watch: &dyn Watch,
+) -> Option<Vec<Configuration>> {
+    let stepper = analysis.stepper(slot);
+    let stepper = Stepper { reader: Reader { surroundings, ..stepper.reader }, grids: Some(grids), ..stepper };
+    let mut known: BTreeMap<Vec<LeafId>, Configuration> = BTreeMap::new();
+    for ((leaves, _), growing) in &analysis.slots[slot].configurations {
+        let joined = known.get(leaves).map_or_else(|| growing.at.clone(), |known| known.or(&growing.at));
+        known.insert(leaves.clone(), joined);
+    }
+    let (numbers, courses, due) = (BTreeMap::new(), Vec::new(), [VecDeque::new(), VecDeque::new()]);
+    let mut flights = Flights {
+        slot,
+        is_player: analysis.world.slots[slot].player.is_some(),
+        stepper,
+        analysis,
+        grids,
+        known,
+        numbers,
+        courses,
+        due,
+    };
+    for begin in begins {
+        flights.grow(begin, None)?;
+    }
+    while let Some(number) = flights.due.iter_mut().find_map(VecDeque::pop_front) {
+        let (course, parts, is_queued) = &mut flights.courses[number];
+        *is_queued = false;
+        let course = course.clone();
+        let due = parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| part.at.clone()));
+        let due: Vec<Configuration> = due.collect();
+        for at in due {
+            *effort = effort.checked_sub(1)?;
+            if watch.stop() {
+                return None;
+            }
+            flights.step((&course, number), at)?;
+        }
+    }
+    Some(flights.courses.into_iter().flat_map(|(_, parts, _)| parts).map(|part| part.at).collect())
+}
+
+impl Flights<'_> {
+    /// Adds the successors of a configuration of a course.
+    fn step(&mut self, (course, number): (&Course, usize), mut at: Configuration) -> Option<()> {
+        at.trace = kept(&at);
+        let outcome = self.stepper.run(&at)?;
+        let after = |mut next: Configuration| -> Option<(Course, Configuration)> {
+            let y = next.vars[VarId::Y][0].hull()?;
+            let y = self.grid(&next).map_or(y, |grid| grid.snapped(1, y));
+            next.set(VarId::Y, 0, Values::from(y));
+            let is_undisturbed = next.trace.is_some_and(|trace| !trace.is_disturbed);
+            let (_, _, first, age) = *course;
+            let trace = kept(&next);
+            let of = match (is_undisturbed, stays(&at, &next)) {
+                // What stays at its height does not grow older.
+                (true, true) => (next.leaves.clone(), trace, first, age),
+                (true, false) => (next.leaves.clone(), trace, first, age + 1),
+                (false, _) => (next.leaves.clone(), trace, beginning(&next)?, 0),
+            };
+            Some((of, next))
+        };
+        let all = outcome.next.into_iter().flat_map(single).filter_map(after);
+        let (own, others): (Vec<_>, Vec<_>) = all.partition(|(of, _)| of == course);
+        for (_, next) in own {
+            for wide in self.widened(next) {
+                self.grow(wide, Some((course.clone(), true)))?;
+            }
+        }
+        // What is wider includes it, and is stepped instead.
+        let is_widened = self.courses[number].1.iter().any(|part| part.is_due && at.is_within(&part.at));
+        for (of, next) in others.into_iter().filter(|_| !is_widened) {
+            self.grow(next, Some((of, false)))?;
+        }
+        Some(())
+    }
+
+    /// Adds what is new of a configuration to its course.
+    fn grow(&mut self, mut found: Configuration, of: Option<(Course, bool)>) -> Option<()> {
+        found.trace = kept(&found);
+        if !self.analysis.restrict(self.slot, &mut found) {
+            return Some(());
+        }
+        let hulls = VarId::XY.map(|var| found.vars[var][0].hull());
+        let ([Some(x), Some(y)], Some(first)) = (hulls, beginning(&found)) else { return Some(()) };
+        let [mut x, y] = self.grid(&found).map_or([x, y], |grid| [grid.snapped(0, x), grid.snapped(1, y)]);
+        let y = if of.as_ref().is_none_or(|((.., age), _)| *age == 0) { self.widened_up([x, y], &found) } else { y };
+        found.set(VarId::Y, 0, Values::from(y));
+        let (mut course, is_wide) = of.unwrap_or_else(|| ((found.leaves.clone(), kept(&found), first, 0), false));
+        let is_below = self.grid(&found).is_some_and(|grid| y.high < grid.bottom() - BELOW);
+        if let Some(known) = self.known.get(&found.leaves).filter(|_| is_below) {
+            // Nothing is there that it could meet.
+            let (trace, [_, velocity, _]) = (found.trace, found.vars[VarId::Y]);
+            found = joined(&found, known);
+            (found.trace, x) = (trace, Interval::ALL);
+            found.set(VarId::Y, 0, Values::from(Interval { low: f64::NEG_INFINITY, high: y.high }));
+            // A body that falls goes on to.
+            let ends = velocity.hull().zip(known.vars[VarId::Y][1].hull());
+            if let Some((own, known)) = ends.filter(|(own, _)| own.high < 0.0) {
+                found.set(VarId::Y, 1, Values::from(Interval { low: known.low.least(own.low), high: own.high }));
+            }
+            course = (found.leaves.clone(), kept(&found), (i64::MIN, [true; 2]), 0);
+        } else if !self.is_player {
+            // Others need not be told apart as finely.
+            x = Interval { low: x.low.floor(), high: x.high.ceil() };
+        }
+        if course.3 > MAX_AGE {
+            return None;
+        }
+        let number = match self.numbers.get(&course) {
+            Some(number) => *number,
+            None => {
+                self.numbers.insert(course.clone(), self.courses.len());
+                self.courses.push((course, Vec::new(), false));
+                self.courses.len() - 1
+            }
+        };
+        let (_, parts, is_queued) = &mut self.courses[number];
+        if overlay(parts, x, &found) && !std::mem::replace(is_queued, true) {
+            self.due[usize::from(!is_wide)].push_back(number);
+        }
+        Some(())
+    }
+
+    /// The heights at which a fall begins, in whole rows: they grow in few steps.
+    fn widened_up(&self, [x, y]: [Interval; 2], at: &Configuration) -> Interval {
+        let wide = Interval { low: (y.low / STEP).floor() * STEP, high: (y.high / STEP).ceil() * STEP };
+        let is_free = |grid: &Grid| grid.parts([x, wide]).iter().all(|(_, is_blocked)| !is_blocked);
+        let is_wide = y.high - y.low > THIN * STEP && self.grid(at).is_some_and(is_free);
+        if is_wide { wide } else { y }
+    }
+
+    /// The cells of the space that a configuration is in.
+    fn grid(&self, at: &Configuration) -> Option<&Grid> {
+        let space = at.spaces.first().filter(|_| at.spaces.len() == 1)?;
+        self.grids.iter().find(|grid| grid.space == *space)
+    }
+
+    /// All that a configuration may become that neither rises nor falls: at any place up to the next edge, with any values
+    /// of its modes.
+    fn widened(&self, found: Configuration) -> Vec<Configuration> {
+        let hulls = VarId::XY.map(|var| found.vars[var][0].hull());
+        let (Some(grid), [Some(x), Some(y)]) = (self.grid(&found), hulls) else { return vec![found] };
+        let mut wide = found.clone();
+        if let Some(known) = self.known.get(&found.leaves) {
+            for (var, values) in known.vars.pairs().filter(|(var, _)| *var != VarId::Y) {
+                for (degree, all) in values.iter().enumerate().skip(usize::from(var == VarId::X)) {
+                    wide.set(var, degree, all.or(&found.vars[var][degree]));
+                }
+            }
+            known.discretes.pairs().for_each(|(id, values)| wide.set_discrete(id, values.or(&found.discretes[id])));
+            wide.timers = known.timers.iter().zip(found.timers.iter()).map(|(a, b)| a.or(*b)).collect();
+        }
+        let runs = grid.runs([x, y]).into_iter();
+        runs.map(|(run, part)| {
+            // What only touches the next run is not on it.
+            let is_there = part.high - part.low > 4.0 * THIN;
+            let mut at = if is_there { wide.clone() } else { found.clone() };
+            at.set(VarId::X, 0, Values::from(if is_there { run.or(part) } else { part }));
+            at
+        })
+        .collect()
+    }
+}
+
+/// The parts of which each place, height and velocity is one interval.
+fn single(at: Configuration) -> Vec<Configuration> {
+    let mut out = vec![at];
+    for (var, degree) in [(VarId::X, 0), (VarId::Y, 0), (VarId::Y, 1), (VarId::Y, 2)] {
+        if out.iter().any(|at| at.vars[var][degree].intervals().len() > 1) {
+            let parts = |at: Configuration| {
+                let all = at.vars[var][degree].intervals().to_vec().into_iter();
+                all.map(move |one| {
+                    let mut at = at.clone();
+                    at.set(var, degree, Values::from(one));
+                    at
+                })
+            };
+            out = out.into_iter().flat_map(parts).collect();
+        }
+    }
+    out
+}
+
+/// Whether a configuration neither rises nor falls on the way to the next.
+fn stays(at: &Configuration, next: &Configuration) -> bool {
+    let is_still = |at: &Configuration| at.vars[VarId::Y][1].constant() == Some(0.0);
+    let [y, later] = [at, next].map(|at| at.vars[VarId::Y][0]);
+    later == y && at.vars[VarId::Y][1] == next.vars[VarId::Y][1]
+        || is_still(at) && is_still(next) && later.is_within(&y)
+}
+
+/// The pushes that are told apart.
+fn kept(at: &Configuration) -> Option<Trace> {
+    at.trace.map(|trace| Trace { is_disturbed: false, ..trace })
+}
+
+fn beginning(at: &Configuration) -> Option<Beginning> {
+    let (y, velocity) = (at.vars[VarId::Y][0].hull()?, at.vars[VarId::Y][1].hull()?);
+    // The casts saturate.
+    let row = |y: f64| (y / ROW).round() as i64;
+    Some((row(y.high), [velocity.low < 0.0, velocity.high > 0.0]))
+}
+
+/// A configuration at other places.
+fn placed(at: &Configuration, x: Interval) -> Configuration {
+    let mut at = at.clone();
+    at.set(VarId::X, 0, Values::from(x));
+    at
+}
+
+/// The join of two configurations, with one interval each of heights and velocities.
+fn joined(a: &Configuration, b: &Configuration) -> Configuration {
+    let mut all = a.or(b);
+    for var in VarId::XY {
+        for degree in 0..3 {
+            let hull = all.vars[var][degree].hull().map_or(Values::none(), Values::from);
+            all.set(var, degree, hull);
+        }
+    }
+    all
+}
+
+/// Joins a configuration at some places into the parts of its course, which stay apart; returns whether any is to be
+/// stepped.
+fn overlay(parts: &mut Vec<Part>, x: Interval, found: &Configuration) -> bool {
+    // What only touches is apart.
+    let is_before = |a: f64, b: f64| if x.is_point() { a < b } else { a <= b };
+    let first = parts.partition_point(|part| is_before(part.x.high, x.low));
+    let after = parts.partition_point(|part| !is_before(x.high, part.x.low)).max(first);
+    let mut new: Vec<Part> = Vec::new();
+    let mut from = x.low;
+    let mut is_more = false;
+    for part in &parts[first..after] {
+        let left = |x: Interval| Part { x, at: placed(&part.at, x), is_due: part.is_due };
+        if from < part.x.low {
+            let x = Interval { low: from, high: part.x.low };
+            new.push(Part { x, at: placed(found, x), is_due: true });
+            is_more = true;
+        }
+        let both = Interval { low: from.greatest(part.x.low), high: x.high.least(part.x.high) };
+        from = part.x.high;
+        if placed(found, part.x).is_within(&part.at) {
+            new.push(left(part.x));
+            continue;
+        }
+        is_more = true;
+        if part.x.low < both.low {
+            new.push(left(Interval { low: part.x.low, high: both.low }));
+        }
+        new.push(Part { x: both, at: joined(&placed(&part.at, both), &placed(found, both)), is_due: true });
+        if both.high < part.x.high {
+            new.push(left(Interval { low: both.high, high: part.x.high }));
+        }
+    }
+    if from < x.high || first == after {
+        let x = Interval { low: from, high: x.high };
+        new.push(Part { x, at: placed(found, x), is_due: true });
+        is_more = true;
+    }
+    if !is_more {
+        return false;
+    }
+    // With its neighbours, of which it may be the rest.
+    let (first, after) = (first.saturating_sub(1), (after + 1).min(parts.len()));
+    let mut all: Vec<Part> = parts.splice(first..after, []).collect();
+    let at = all.partition_point(|part| is_before(part.x.high, x.low));
+    let to = all.partition_point(|part| !is_before(x.high, part.x.low)).max(at);
+    all.splice(at..to, new);
+    all.dedup_by(|next, last| {
+        let is_one = next.is_due == last.is_due && next.x.low <= last.x.high && placed(&next.at, last.x) == last.at;
+        if is_one {
+            last.x = last.x.or(next.x);
+            last.at = placed(&last.at, last.x);
+        }
+        is_one
+    });
+    parts.splice(first..first, all);
+    if parts.len() > MAX_PARTS
+        && let Some(all) = parts.iter().map(|part| part.at.clone()).reduce(|a, b| joined(&a, &b))
+        && let Some(x) = all.vars[VarId::X][0].hull()
+    {
+        *parts = vec![Part { x, at: placed(&all, x), is_due: true }];
+    }
+    true
+}

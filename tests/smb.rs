@@ -235,7 +235,8 @@ fn gap(tiles: usize, has_enemies: bool) -> Arc<Program> {
 /// Whether the analysis of falls rules the end of the level out, for runs on which nothing that may never be is.
 fn is_ruled_out(program: &Arc<Program>) -> bool {
     let nevers: Vec<_> = program.worlds[WORLD].nevers.iter().map(|never| never.holds).collect();
-    let space = watched_space(program, WORLD, &nevers, &Unwatched).by_flight(program, WORLD, &nevers, &Unwatched);
+    let space =
+        watched_space(program, WORLD, &nevers, &Unwatched).by_flight(program, WORLD, &nevers, 150_000, &Unwatched);
     // Searches look at each of their states whether it is one of the space.
     let sim = Simulator::new(program, WORLD);
     let monitor = Monitor::new(&space, program, WORLD);

@@ -96,9 +96,6 @@ use step::forbidden::Forbidden;
 /// Maximum number of branches, if players are distinguished by place.
 const MAX_BRANCHES_BY_PLACE: usize = 60_000;
 
-/// Maximum number of configurations that are told apart by the courses of falls.
-const MAX_FLIGHTS: usize = 150_000;
-
 /// Maximum number of branches of steps per world; above it, the world is given up and everything is possible.
 const MAX_BRANCHES: usize = 300_000;
 
@@ -249,15 +246,22 @@ impl ConfigurationSpace {
     }
 
     /// Adds a second analysis that tells players apart by the courses of their falls (`flights`), for runs on which the
-    /// predicates never hold. Nothing changes if that is not possible, or too much.
+    /// predicates never hold. Nothing changes if that is not possible, or takes more than `effort` configurations.
     #[must_use]
-    pub fn by_flight(mut self, program: &Program, world: WorldId, predicates: &[ExprId], watch: &dyn Watch) -> Self {
+    pub fn by_flight(
+        mut self,
+        program: &Program,
+        world: WorldId,
+        predicates: &[ExprId],
+        mut effort: usize,
+        watch: &dyn Watch,
+    ) -> Self {
         let table = &*breakable::prepared(program, &program.worlds[world]);
         let forbidden = Forbidden { program, world: table, predicates };
         let limits = (counter_bounds::limits(program, table), &KNOWN);
         let mut analysis = Analysis::new(Scene::new(program, table, watch), forbidden, limits, MAX_BRANCHES, watch);
         analysis.run();
-        let Some(found) = analysis.by_flight(&mut { MAX_FLIGHTS }) else { return self };
+        let Some(found) = analysis.by_flight(&mut effort) else { return self };
         let mut finer = analysis.finish();
         for (slot, configurations) in found {
             finer.slots[slot].configurations = configurations;

@@ -95,6 +95,13 @@ use search::{Interlude, search_asking};
 /// Number of nodes after which a search pauses for a finer analysis; an answer within them needs none.
 const QUICK_NODES: u64 = 4_000;
 
+/// Maximum number of configurations that are told apart by the courses of falls, once a search has found nothing: a few
+/// seconds of work; and where exhaustion is asked for.
+#[cfg(feature = "ask")]
+const FLIGHTS: usize = 40_000;
+#[cfg(feature = "ask")]
+const FLIGHTS_EXHAUSTING: usize = 2_000_000;
+
 /// Asks the analysis whether the target can hold at all; if so, searches for a path to it. With the planner `auto`, a
 /// search that has found nothing for a while pauses for an analysis that distinguishes players by place.
 ///
@@ -174,7 +181,8 @@ fn reach_monitored(
     {
         let is_open = outcome.verdict == Verdict::NotFound && outcome.end != End::Stopped && outcome.fault.is_none();
         if is_auto && is_open {
-            let by_flight = whole.clone().by_flight(of, world, &nevers, watch);
+            let effort = if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS };
+            let by_flight = whole.clone().by_flight(of, world, &nevers, effort, watch);
             if let Some(proof) = prove(by_flight) {
                 let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
                 return Ok(Outcome { nearest: outcome.nearest, ..answer });

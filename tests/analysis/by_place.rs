@@ -60,7 +60,7 @@ world W {{
 fn verdicts(text: &str) -> (bool, bool) {
     let program = program(compile_text(text));
     let space = configuration_space(&program, WorldId(0)).by_place(&program, WorldId(0), &[], &Unwatched);
-    let space = space.by_flight(&program, WorldId(0), &[], &Unwatched);
+    let space = space.by_flight(&program, WorldId(0), &[], 40_000, &Unwatched);
     of_first_goal(&program, &space)
 }
 

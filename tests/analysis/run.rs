@@ -33,8 +33,8 @@ pub struct Run {
 
 /// Number of polls before the analysis by place gives up.
 pub const LOOKS_BY_PLACE: u32 = 600;
-/// The same, by the courses of falls.
-const LOOKS_BY_FLIGHT: u32 = 3_000;
+/// Number of configurations after which the analysis by the courses of falls gives up.
+const LOOKS_BY_FLIGHT: usize = 3_000;
 /// Interval between checks of goals, in steps.
 const GOALS_EVERY: usize = 16;
 
@@ -43,7 +43,7 @@ pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run 
     // The space also distinguishes players by place: the monitor checks both.
     let space = configuration_space(program, id).by_place(program, id, &[], &PollLimit::new(LOOKS_BY_PLACE));
     let is_by_place = !std::ptr::eq(space.finest(), &space);
-    let space = space.by_flight(program, id, &[], &PollLimit::new(LOOKS_BY_FLIGHT));
+    let space = space.by_flight(program, id, &[], LOOKS_BY_FLIGHT, &PollLimit::new(LOOKS_BY_PLACE * 8));
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
     let mut run = Run { slots: space.slots.len(), given_up, is_by_place, ..Run::default() };
     let sim = Simulator::new(program, id);

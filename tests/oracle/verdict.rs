@@ -81,7 +81,7 @@ fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
 
 fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
     let space = configuration_space(program, world);
-    let space = space.by_place(program, world, &[], &Unwatched).by_flight(program, world, &[], &Unwatched);
+    let space = space.by_place(program, world, &[], &Unwatched).by_flight(program, world, &[], 10_000, &Unwatched);
     for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
         // A `never` also counts outside of the bounds, about which the analysis claims nothing.
         let Target::Goal(goal) = target else { continue };

@@ -95,6 +95,7 @@ impl Claims {
                 program,
                 world,
                 predicates,
+                10_000,
                 &poll_limit(),
             ),
         };

@@ -52,7 +52,7 @@
 //! | continuous: flows, envelopes, clamps | `flow`: contacts are those of the last collision (`Phase::Continuous`) | of others, all they are within a step | `found/*stale*`, `*clamp*` |
 //! | `carry` | `Surroundings::collide`: near what carries it, moved by as much, carriers of carriers included | positions of the two are not related | `tests/semantics.rs`, oracle |
 //! | contacts, where everything is before pushes | `Overall::contact`, `places` | – | `found/false-pushed-pusher` |
-//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets | instances that move and push (`kind_summary`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
+//! | pushes: along an axis the deepest counts | `Contacts::push_out`: it ends at an edge of what it meets; `Contacts::pushed`, where falls are told apart: each edge by itself | instances that move and push (`kind_summary`); colliders that appear inside of something (`Stepper::activations`); overlaps; gaps a little too narrow: anywhere beside it | `found/false-opposite-pushes`, `verdicts/slit*` |
 //! | velocities into surfaces become 0 | the same, beside the old one | energies: only of what never moves | `found/false-clamped*` |
 //! | `remove_destroyed`: references become none | references may always be none | – | oracle |
 //! | observation: `never`, then written bounds, then `goal` | `forbidden`, `within_bounds`, `can_evaluate_to` | – | `tests/border.rs` |

@@ -12,9 +12,8 @@
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use crate::ir::{Extremes, LeafId, Origin, SlotId, VarId};
-use crate::watch::Watch;
 
-use crate::analysis::domain::configuration::{Configuration, Trace};
+use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
 use crate::analysis::fixpoint::Analysis;
 use crate::analysis::geometry::grid::{Grid, THIN};
@@ -30,7 +29,7 @@ const MAX_AGE: u32 = 1 << 12;
 const MAX_CELLS: usize = 1 << 18;
 
 /// What is not joined: the modes, where a fall began, and the number of steps since.
-type Course = (Vec<LeafId>, Option<Trace>, Beginning, u32);
+type Course = (Vec<LeafId>, Option<[bool; 2]>, Beginning, u32);
 
 /// Falls that begin this near to each other are not told apart, px.
 const ROW: f64 = 8.0;
@@ -92,12 +91,16 @@ impl Analysis<'_> {
             if live.iter().any(|slot| !self.begins_once(*slot)) {
                 continue;
             }
-            let found = live.into_iter().map(|slot| self.flown(slot, &others, effort));
-            if let Some(found) = found.collect::<Option<Vec<_>>>() {
+            if let Some(found) = self.flown(kind, &live, &others, effort) {
                 others.insert(kind, found.into_iter().flatten().collect());
             }
         }
-        players.into_iter().map(|slot| Some((slot, self.flown(slot, &others, effort)?))).collect()
+        let mut out = Vec::new();
+        for slot in players {
+            let found = self.flown(self.scene.of[slot], &[slot], &others, effort)?;
+            out.extend(found.into_iter().map(|found| (slot, found)));
+        }
+        Some(out)
     }
 
     /// Whether a slot holds an instance from the start, and none later.
@@ -108,22 +111,26 @@ impl Analysis<'_> {
             && (begun.origin == Origin::Named || (begun.origin == Origin::Tile && !is_spawned))
     }
 
-    /// The configurations of a slot, told apart, among others that are.
+    /// The configurations of each of some slots of a kind, told apart, among others that are.
     fn flown(
         &mut self,
-        slot: SlotId,
+        kind: usize,
+        slots: &[SlotId],
         others: &BTreeMap<usize, Vec<Configuration>>,
         effort: &mut usize,
-    ) -> Option<Vec<Configuration>> {
-        let grids = self.scene.grids(self.scene.of[slot], MAX_CELLS)?;
+    ) -> Option<Vec<Vec<Configuration>>> {
+        let grids = self.scene.grids(kind, MAX_CELLS)?;
         let mut surroundings = Surroundings::new(&mut self.scene, &self.overall);
-        if !surroundings.can_tell_apart(slot) {
-            return None;
+        let mut out = Vec::new();
+        for slot in slots {
+            if !surroundings.can_tell_apart(*slot) {
+                return None;
+            }
+            surroundings.tell_others(&self.scene, *slot, others);
+            let begins = self.begins(*slot);
+            out.push(flights(self, &surroundings, *slot, (&grids, begins), effort)?);
         }
-        surroundings.tell_others(&self.scene, slot, others);
-        let begins = self.begins(slot);
-        let watch = self.watch;
-        flights(self, &surroundings, slot, (&grids, begins), effort, watch)
+        Some(out)
     }
 }
 
@@ -135,7 +142,6 @@ fn flights<'a>(
     slot: SlotId,
     (grids, begins): (&'a [Grid], Vec<Configuration>),
     effort: &mut usize,
-    watch: &dyn Watch,
 ) -> Option<Vec<Configuration>> {
     let stepper = analysis.stepper(slot);
     let stepper = Stepper { reader: Reader { surroundings, ..stepper.reader }, grids: Some(grids), ..stepper };
@@ -167,7 +173,7 @@ fn flights<'a>(
         let due: Vec<Configuration> = due.collect();
         for at in due {
             *effort = effort.checked_sub(1)?;
-            if watch.stop() {
+            if analysis.watch.stop() {
                 return None;
             }
             flights.step((&course, number), at)?;
@@ -178,8 +184,7 @@ fn flights<'a>(
 
 impl Flights<'_> {
     /// Adds the successors of a configuration of a course.
-    fn step(&mut self, (course, number): (&Course, usize), mut at: Configuration) -> Option<()> {
-        at.trace = kept(&at);
+    fn step(&mut self, (course, number): (&Course, usize), at: Configuration) -> Option<()> {
         let outcome = self.stepper.run(&at)?;
         let after = |mut next: Configuration| -> Option<(Course, Configuration)> {
             let y = next.vars[VarId::Y][0].hull()?;
@@ -187,12 +192,12 @@ impl Flights<'_> {
             next.set(VarId::Y, 0, Values::from(y));
             let is_undisturbed = next.trace.is_some_and(|trace| !trace.is_disturbed);
             let (_, _, first, age) = *course;
-            let trace = kept(&next);
+            let pushed = pushed(&next);
             let of = match (is_undisturbed, stays(&at, &next)) {
                 // What stays at its height does not grow older.
-                (true, true) => (next.leaves.clone(), trace, first, age),
-                (true, false) => (next.leaves.clone(), trace, first, age + 1),
-                (false, _) => (next.leaves.clone(), trace, beginning(&next)?, 0),
+                (true, true) => (next.leaves.clone(), pushed, first, age),
+                (true, false) => (next.leaves.clone(), pushed, first, age + 1),
+                (false, _) => (next.leaves.clone(), pushed, beginning(&next)?, 0),
             };
             Some((of, next))
         };
@@ -213,7 +218,10 @@ impl Flights<'_> {
 
     /// Adds what is new of a configuration to its course.
     fn grow(&mut self, mut found: Configuration, of: Option<(Course, bool)>) -> Option<()> {
-        found.trace = kept(&found);
+        // What is disturbed by the next step is told anew.
+        if let Some(trace) = &mut found.trace {
+            trace.is_disturbed = false;
+        }
         if !self.analysis.restrict(self.slot, &mut found) {
             return Some(());
         }
@@ -222,7 +230,7 @@ impl Flights<'_> {
         let [mut x, y] = self.grid(&found).map_or([x, y], |grid| [grid.snapped(0, x), grid.snapped(1, y)]);
         let y = if of.as_ref().is_none_or(|((.., age), _)| *age == 0) { self.widened_up([x, y], &found) } else { y };
         found.set(VarId::Y, 0, Values::from(y));
-        let (mut course, is_wide) = of.unwrap_or_else(|| ((found.leaves.clone(), kept(&found), first, 0), false));
+        let (mut course, is_wide) = of.unwrap_or_else(|| ((found.leaves.clone(), pushed(&found), first, 0), false));
         let is_below = self.grid(&found).is_some_and(|grid| y.high < grid.bottom() - BELOW);
         if let Some(known) = self.known.get(&found.leaves).filter(|_| is_below) {
             // Nothing is there that it could meet.
@@ -235,7 +243,7 @@ impl Flights<'_> {
             if let Some((own, known)) = ends.filter(|(own, _)| own.high < 0.0) {
                 found.set(VarId::Y, 1, Values::from(Interval { low: known.low.least(own.low), high: own.high }));
             }
-            course = (found.leaves.clone(), kept(&found), (i64::MIN, [true; 2]), 0);
+            course = (found.leaves.clone(), pushed(&found), (i64::MIN, [true; 2]), 0);
         } else if !self.is_player {
             // Others need not be told apart as finely.
             x = Interval { low: x.low.floor(), high: x.high.ceil() };
@@ -326,11 +334,12 @@ fn stays(at: &Configuration, next: &Configuration) -> bool {
         || is_still(at) && is_still(next) && later.is_within(&y)
 }
 
-/// The pushes that are told apart.
-fn kept(at: &Configuration) -> Option<Trace> {
-    at.trace.map(|trace| Trace { is_disturbed: false, ..trace })
+/// The pushes along y of the last step, if they are known.
+fn pushed(at: &Configuration) -> Option<[bool; 2]> {
+    at.trace.map(|trace| trace.pushed)
 }
 
+/// Where a fall begins; `None` if the configuration is impossible.
 fn beginning(at: &Configuration) -> Option<Beginning> {
     let (y, velocity) = (at.vars[VarId::Y][0].hull()?, at.vars[VarId::Y][1].hull()?);
     // The casts saturate.

@@ -179,8 +179,7 @@ fn reach_monitored(
     // The engine of the page has no room for more.
     #[cfg(feature = "ask")]
     {
-        let is_open = outcome.verdict == Verdict::NotFound && outcome.end != End::Stopped && outcome.fault.is_none();
-        if is_auto && is_open {
+        if is_auto && outcome.is_open() {
             let effort = if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS };
             let by_flight = whole.clone().by_flight(of, world, &nevers, effort, watch);
             if let Some(proof) = prove(by_flight) {

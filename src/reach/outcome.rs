@@ -212,6 +212,11 @@ impl Argument {
 }
 
 impl Outcome {
+    /// Whether a search has ended by itself without an answer, so that another way of asking may have one.
+    pub(super) fn is_open(&self) -> bool {
+        self.verdict == Verdict::NotFound && self.end != End::Stopped && self.fault.is_none()
+    }
+
     /// Whether it is a proof that rests on the analysis.
     pub fn rests_on_analysis(&self) -> bool {
         matches!(&self.verdict, Verdict::Unreachable(argument) if argument.rests_on_analysis())

@@ -28,6 +28,14 @@ impl Analysis<'_> {
         self.enter(slot, at);
     }
 
+    /// The initial configurations of a slot that exists from the start.
+    pub(in crate::analysis) fn begins(&mut self, slot: SlotId) -> Vec<Configuration> {
+        let known = std::mem::take(&mut self.slots[slot].configurations);
+        self.begin(slot);
+        let begins = std::mem::replace(&mut self.slots[slot].configurations, known);
+        begins.into_values().map(|growing| growing.at).collect()
+    }
+
     /// Gives an instance that begins all values of what is not known of it.
     fn vary(&mut self, slot: SlotId, at: &mut Configuration) {
         let Some(dependent) = self.unknown.slots.get(&slot) else { return };

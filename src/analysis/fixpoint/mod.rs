@@ -449,14 +449,6 @@ impl<'a> Analysis<'a> {
         changed
     }
 
-    /// The initial configurations of a slot that exists from the start.
-    pub fn begins(&mut self, slot: SlotId) -> Vec<Configuration> {
-        let known = std::mem::take(&mut self.slots[slot].configurations);
-        self.begin(slot);
-        let begins = std::mem::replace(&mut self.slots[slot].configurations, known);
-        begins.into_values().map(|growing| growing.at).collect()
-    }
-
     /// The context in which expressions of an instance or of the world are evaluated.
     pub fn reader<'s>(&'s self, me: Option<(SlotId, &'s Configuration)>) -> Reader<'s> {
         Reader {

@@ -79,7 +79,7 @@ pub(in super::super) fn conclude(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Outcome, Fault> {
-    if outcome.verdict != Verdict::NotFound || outcome.end == End::Stopped || outcome.fault.is_some() {
+    if !outcome.is_open() {
         return Ok(outcome);
     }
     let limits = Limits { nodes: limits.nodes.saturating_mul(STATES), ..*limits };

@@ -3,15 +3,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{Extremes, SlotId, SpaceId, TagSet, Touch, VarId};
+use crate::ir::{Extremes, SlotId, SpaceId, Touch, VarId};
 
 use crate::analysis::domain::configuration::{Configuration, Trace};
 use crate::analysis::domain::values::{Interval, Values};
-use crate::analysis::geometry::body::{Pair, ROUNDING, TOLERANCE, near, rounded};
+use crate::analysis::geometry::body::{Pair, ROUNDING, TOLERANCE, rounded};
 use crate::analysis::geometry::grid::Grid;
 use crate::analysis::geometry::scene::Scene;
 
-use super::{Contacts, Motion, Surroundings, is_near};
+use super::{Contacts, Motion, Surroundings, is_about, is_near, met_from};
 
 impl Surroundings {
     /// Whether only static obstacles push an instance, never further than it has moved.
@@ -41,7 +41,7 @@ impl Surroundings {
             for pair in asked(scene, me, touch) {
                 let (mine, theirs) = (&scene.kinds[me].bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
                 let all = others.get(&pair.kind)?;
-                let (mine, extent) = (mine.extent?, theirs.extent?);
+                let (_, extent) = (mine.extent?, theirs.extent?);
                 let first = scene.kinds[pair.kind].slots.first()?;
                 let there = |at: &&Configuration| theirs.presence.as_ref().is_none_or(|p| p.is_there(&at.leaves));
                 for at in all.iter().filter(there) {
@@ -49,8 +49,7 @@ impl Surroundings {
                     let place = |axis: usize| {
                         let moved = self.of(slot).longest[axis] + self.of(*first).longest[axis];
                         let at = at.vars[VarId::XY[axis]][0].hull()?;
-                        let place = near(Some(mine), axis, (at.low + extent[axis].low, at.high + extent[axis].high));
-                        Some(rounded(Interval { low: place.low - moved, high: place.high + moved }))
+                        Some(met_from(mine, axis, at.plus(extent[axis]), moved))
                     };
                     let (x, y) = (place(0)?, place(1)?);
                     // The casts saturate.
@@ -128,7 +127,7 @@ impl Surroundings {
 fn asked<'s>(scene: &'s Scene<'_>, me: usize, touch: &Touch) -> Vec<&'s Pair> {
     let asks = |pair: &&Pair| {
         let (mine, theirs) = (&scene.kinds[me].bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
-        mine.is_live && theirs.is_live && mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
+        mine.is_live && theirs.is_live && is_about(touch, mine, theirs)
     };
     scene.pairs[me].iter().filter(asks).collect()
 }

@@ -437,7 +437,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
     let asked = |touch: &Touch| {
         let asks = |pair: &&&Pair| {
             let (mine, theirs) = body(pair);
-            mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
+            is_about(touch, mine, theirs)
         };
         pairs.iter().filter(asks).copied().collect::<Vec<&Pair>>()
     };
@@ -451,10 +451,7 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
                 let extent = theirs.extent.map_or(Interval::ALL, |e| e[axis]);
                 let seen = seam::seen(scene.world, spaces, axis, &summaries[pair.kind].contact[axis]);
                 let at = seen.intervals().to_vec().into_iter();
-                at.map(move |at| {
-                    let place = near(mine.extent, axis, (at.low + extent.low, at.high + extent.high));
-                    rounded(Interval { low: place.low - moved, high: place.high + moved })
-                })
+                at.map(move |at| met_from(mine, axis, at.plus(extent), moved))
             }))
         })
     };
@@ -489,6 +486,17 @@ fn contacts(scene: &Scene<'_>, me: usize, spaces: &BTreeSet<SpaceId>, summaries:
     out.places = entity.touches.pairs().map(places).collect();
     out.places_of_others = places_of_others;
     out
+}
+
+/// Whether a contact query is about a pair of bodies.
+fn is_about(touch: &Touch, mine: &Body, theirs: &Body) -> bool {
+    mine.tags.meets(touch.mine) && theirs.tags.meets(TagSet::of(touch.other))
+}
+
+/// The positions along an axis from which a body has met another one, if both were moved by at most some px since.
+fn met_from(mine: &Body, axis: usize, theirs: Interval, moved: f64) -> Interval {
+    let place = near(mine.extent, axis, (theirs.low, theirs.high));
+    rounded(Interval { low: place.low - moved, high: place.high + moved })
 }
 
 /// The surfaces of stationary instances that push a kind, if it is distinguished by place.

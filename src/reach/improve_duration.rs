@@ -6,7 +6,7 @@ use crate::analysis::ConfigurationSpace;
 use crate::watch::Watch;
 
 use super::coverage::mix;
-use super::outcome::{Outcome, Plan, Verdict, join_records};
+use super::outcome::{Plan, Verdict};
 use super::planners::Planner;
 use super::problem::Problem;
 use super::search::{Limits, Settings, search};
@@ -23,10 +23,6 @@ const BRIEF: u64 = 4;
 /// The divisor of the node budget for one other search, and the maximum number of its nodes.
 const SHARE: u64 = 4;
 const MAX_NODES: u64 = 100_000;
-/// The fewest nodes for a faster plan than the first one, and the percentage of its time that it may take: less is not
-/// worth the search.
-const FEWEST: u64 = 1_000;
-const FASTER: u64 = 90;
 
 /// A faster plan, if one is found; `limits` bound all searches for it together.
 #[must_use]
@@ -97,32 +93,5 @@ impl Improving<'_, '_> {
             _ => return false,
         }
         true
-    }
-}
-
-/// A faster plan than the first one, by one more search of twice as many nodes: what is found first is often a detour.
-/// What it took is counted in `outcome`.
-pub(super) fn hasten(
-    problem: &Problem<'_>,
-    space: &ConfigurationSpace,
-    settings: &Settings,
-    limits: &Limits,
-    outcome: &mut Outcome,
-    watch: &dyn Watch,
-) {
-    let Verdict::Reached(plan) = &outcome.verdict else { return };
-    let nodes = (2 * outcome.statistics.nodes).max(FEWEST).min(limits.nodes.saturating_sub(outcome.statistics.nodes));
-    let steps = (plan.steps - plan.after) * FASTER / 100;
-    if plan.is_shortest || steps == 0 || nodes == 0 || watch.stop() {
-        return;
-    }
-    let settings = Settings { planner: Planner::TimeGuided, hold: None, explains: false, ..*settings };
-    let limits = Limits { nodes, ..*limits };
-    let limited = problem.clone().within(u32::try_from(steps).unwrap_or(u32::MAX));
-    let Ok(faster) = search(&limited, space, &settings, &limits, watch) else { return };
-    outcome.statistics.add(&faster.statistics);
-    join_records(&mut outcome.record, &faster.record);
-    if let Verdict::Reached(faster) = faster.verdict {
-        outcome.verdict = Verdict::Reached(faster);
     }
 }

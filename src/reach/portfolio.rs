@@ -1,6 +1,6 @@
-//! A portfolio: alternates several planners with different strengths. The first answer counts. Their shares are shares
-//! of work, which a meter counts, so that they are the same on every machine: a node of one planner costs many times that
-//! of another.
+//! A portfolio: alternates several planners with different strengths. Their shares are shares of work, which a meter
+//! counts, so that they are the same on every machine: a node of one planner costs many times that of another. The first
+//! answer counts, or the fastest path that is found with twice as many nodes: what is found first is often a detour.
 
 use super::outcome::Plan;
 use super::search_context::Notes;
@@ -15,8 +15,36 @@ const AHEAD: u32 = 3;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
 
-/// A planner with its share of the work.
-type Arm<'a> = (u64, Box<dyn Searcher + 'a>);
+/// For a faster path, the search goes on for so many times the nodes of the first one, and for some at least.
+const FASTER: u64 = 2;
+const FEWEST: u64 = 1_000;
+
+/// A planner with its shares of the work: until a path is found, and for a faster one.
+pub(super) struct Arm<'a> {
+    share: u64,
+    share_for_faster: u64,
+    searcher: Box<dyn Searcher + 'a>,
+}
+
+impl<'a> Arm<'a> {
+    /// A planner with a share until a path is found, and none then.
+    pub fn new(share: u64, searcher: Box<dyn Searcher + 'a>) -> Self {
+        Arm { share, share_for_faster: 0, searcher }
+    }
+
+    /// The same, with a share in the search for a faster path.
+    pub fn for_faster(self, share_for_faster: u64) -> Self {
+        Arm { share_for_faster, ..self }
+    }
+}
+
+/// The fastest path so far.
+struct Fastest {
+    plan: Plan,
+    planner: &'static str,
+    /// At this number of nodes the search ends.
+    until: u64,
+}
 
 /// Alternates planners.
 pub(super) struct Portfolio<'a> {
@@ -29,41 +57,69 @@ pub(super) struct Portfolio<'a> {
     /// Memory limit of an arm, bytes; the last one has no limit.
     memory: u64,
     planner: &'static str,
+    fastest: Option<Fastest>,
 }
 
 impl<'a> Portfolio<'a> {
     /// Alternates planners; the first has the first turn.
     pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        Portfolio { arms, spent: Notes::default(), spent_work: 0, turn: None, memory, planner: "auto" }
+        Portfolio { arms, spent: Notes::default(), spent_work: 0, turn: None, memory, planner: "auto", fastest: None }
     }
 
     fn retire(&mut self, at: usize) {
         self.turn = None;
-        let (_, arm) = self.arms.remove(at);
-        self.spent_work += arm.work();
-        arm.report(&mut self.spent);
+        let Arm { searcher, .. } = self.arms.remove(at);
+        self.spent_work += searcher.work();
+        searcher.report(&mut self.spent);
+    }
+
+    /// Takes a path; returns it if no planner is to look for a faster one.
+    fn take(&mut self, plan: Plan) -> Option<Plan> {
+        let steps = plan.steps - plan.after;
+        if plan.is_shortest || self.arms.iter().all(|arm| arm.share_for_faster == 0) {
+            self.fastest = None;
+            return Some(plan);
+        }
+        let until = match &self.fastest {
+            Some(fastest) => fastest.until,
+            None => {
+                let nodes = self.nodes();
+                while let Some(at) = self.arms.iter().position(|arm| arm.share_for_faster == 0) {
+                    self.retire(at);
+                }
+                self.arms.iter_mut().for_each(|arm| arm.share = arm.share_for_faster);
+                nodes + (FASTER * nodes).max(FEWEST)
+            }
+        };
+        self.turn = None;
+        self.fastest = Some(Fastest { plan, planner: self.planner, until });
+        self.arms.iter_mut().for_each(|arm| arm.searcher.look_for_faster(steps));
+        None
     }
 
     /// Lets all go on from the way of the one that came nearest to the goal, where it is ahead.
     fn exchange(&mut self) {
-        let distances = self.arms.iter().enumerate().filter_map(|(at, (_, arm))| Some((arm.nearest()?, at)));
+        let distances = self.arms.iter().enumerate().filter_map(|(at, arm)| Some((arm.searcher.nearest()?, at)));
         let Some((nearest, first)) = distances.min() else { return };
-        let is_behind = |arm: &dyn Searcher| arm.nearest().is_some_and(|other| other >= nearest.saturating_add(AHEAD));
-        if !self.arms.iter().any(|(_, arm)| is_behind(&**arm)) {
+        let is_behind = |arm: &Arm<'_>| {
+            let other = arm.searcher.nearest();
+            other.is_some_and(|other| other >= nearest.saturating_add(AHEAD))
+        };
+        if !self.arms.iter().any(is_behind) {
             return;
         }
-        let way = self.arms[first].1.way();
-        for (_, arm) in self.arms.iter_mut().filter(|(_, arm)| is_behind(&**arm)) {
-            arm.adopt(nearest, &way);
+        let way = self.arms[first].searcher.way();
+        for arm in self.arms.iter_mut().filter(|arm| is_behind(arm)) {
+            arm.searcher.adopt(nearest, &way);
         }
     }
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
         (0..self.arms.len()).min_by_key(|at| {
-            let (share, arm) = &self.arms[*at];
-            arm.work().saturating_add(arm.nodes().saturating_mul(NODE)) / share.max(&1)
+            let Arm { share, searcher, .. } = &self.arms[*at];
+            searcher.work().saturating_add(searcher.nodes().saturating_mul(NODE)) / share.max(&1)
         })
     }
 }
@@ -72,21 +128,29 @@ impl Searcher for Portfolio<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.nodes().saturating_add(nodes);
         loop {
-            let left = until.saturating_sub(self.nodes());
+            let nodes = self.nodes();
+            if self.fastest.as_ref().is_some_and(|fastest| fastest.until <= nodes || self.arms.is_empty())
+                && let Some(plan) = self.pending()
+            {
+                return Ending::Reached(plan);
+            }
+            let left = until.saturating_sub(nodes);
             if left == 0 {
                 return Ending::Paused;
             }
             let (at, turn_ends) = match self.turn {
                 Some(turn) => turn,
                 None => {
-                    self.exchange();
+                    if self.fastest.is_none() {
+                        self.exchange();
+                    }
                     let Some(at) = self.next() else { return Ending::Spent };
-                    let (share, arm) = &self.arms[at];
-                    (at, arm.nodes() + (arm.nodes() / SHARE).max(TURN * share))
+                    let Arm { share, searcher, .. } = &self.arms[at];
+                    (at, searcher.nodes() + (searcher.nodes() / SHARE).max(TURN * share))
                 }
             };
             let is_last = self.arms.len() == 1;
-            let (_, arm) = &mut self.arms[at];
+            let arm = &mut self.arms[at].searcher;
             let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left));
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
@@ -97,39 +161,48 @@ impl Searcher for Portfolio<'_> {
                 },
                 Ending::Paused => {}
                 Ending::Spent => self.retire(at),
-                Ending::Stopped | Ending::Reached(_) | Ending::Exhausted(_) => return ending,
+                Ending::Reached(plan) => {
+                    if let Some(plan) = self.take(plan) {
+                        return Ending::Reached(plan);
+                    }
+                }
+                Ending::Stopped | Ending::Exhausted(_) => return ending,
             }
         }
     }
 
     fn pending(&mut self) -> Option<Plan> {
-        let Portfolio { arms, planner, .. } = self;
-        arms.iter_mut().find_map(|(_, arm)| {
-            let plan = arm.pending()?;
-            *planner = arm.planner();
+        let Portfolio { arms, planner, fastest, .. } = self;
+        if let Some(fastest) = fastest.take() {
+            *planner = fastest.planner;
+            return Some(fastest.plan);
+        }
+        arms.iter_mut().find_map(|arm| {
+            let plan = arm.searcher.pending()?;
+            *planner = arm.searcher.planner();
             Some(plan)
         })
     }
 
     fn nodes(&self) -> u64 {
-        self.spent.statistics.nodes + self.arms.iter().map(|(_, arm)| arm.nodes()).sum::<u64>()
+        self.spent.statistics.nodes + self.arms.iter().map(|arm| arm.searcher.nodes()).sum::<u64>()
     }
 
     fn work(&self) -> u64 {
-        self.spent_work + self.arms.iter().map(|(_, arm)| arm.work()).sum::<u64>()
+        self.spent_work + self.arms.iter().map(|arm| arm.searcher.work()).sum::<u64>()
     }
 
     fn places(&self) -> u64 {
-        self.arms.iter().map(|(_, arm)| arm.places()).max().unwrap_or(0)
+        self.arms.iter().map(|arm| arm.searcher.places()).max().unwrap_or(0)
     }
 
     fn report(&self, notes: &mut Notes) {
         notes.join(&self.spent);
-        self.arms.iter().for_each(|(_, arm)| arm.report(notes));
+        self.arms.iter().for_each(|arm| arm.searcher.report(notes));
     }
 
     fn bytes(&self) -> usize {
-        self.arms.iter().map(|(_, arm)| arm.bytes()).sum()
+        self.arms.iter().map(|arm| arm.searcher.bytes()).sum()
     }
 
     fn planner(&self) -> &'static str {

@@ -47,12 +47,13 @@ pub(super) struct Sampler<'a> {
     restart: Option<u64>,
     /// Maximum number of nodes of the current tree.
     max_tree_nodes: u64,
-    /// The distance field, if there is a time limit, or a path is to be followed by faster ones.
     distances: Option<&'a DistanceField>,
     /// Number of nodes without a faster path after which it ends with the fastest one; 0: with the first.
     patience: u64,
     /// The fastest path so far, and the number of nodes when it was found.
     fastest: Option<(Plan, u64)>,
+    /// Maximum number of steps of a path from the start on: others have found one.
+    most: u32,
     lost: &'a Lost,
     /// The distance field, if ways are exchanged with other searches.
     exchanged: Option<&'a DistanceField>,
@@ -90,9 +91,10 @@ impl<'a> Sampler<'a> {
             goal_bias: goal_bias.map(|share| share.clamp(0.0, 1.0)),
             restart,
             max_tree_nodes: 0,
-            distances: distances.filter(|_| context.problem.time().is_some() || patience > 0),
+            distances,
             patience,
             fastest: None,
+            most: u32::MAX,
             lost,
             exchanged,
             nearest: (u32::MAX, None),
@@ -172,11 +174,13 @@ impl<'a> Sampler<'a> {
         self.strategy.choose(&mut self.context, &self.toward)
     }
 
-    /// Maximum number of steps of a path: of the question, and to be faster than the fastest so far.
+    /// Maximum number of steps of a path: of the question, and to be faster than the fastest so far, of this search or of
+    /// others.
     fn time(&self) -> Option<u32> {
         let faster = self.fastest.as_ref().map(|(plan, _)| (plan.steps - plan.after).saturating_sub(1));
         let faster = faster.and_then(|steps| u32::try_from(steps).ok());
-        faster.into_iter().chain(self.context.problem.time()).min()
+        let most = (self.most < u32::MAX).then_some(self.most);
+        faster.into_iter().chain(self.context.problem.time()).chain(most).min()
     }
 
     /// Whether the remaining time at a depth is less than the lower bound from a state.
@@ -299,6 +303,10 @@ impl Searcher for Sampler<'_> {
         if !self.context.tree.is_empty() {
             self.add_adopted();
         }
+    }
+
+    fn look_for_faster(&mut self, steps: u64) {
+        self.most = u32::try_from(steps.saturating_sub(1)).unwrap_or(u32::MAX);
     }
 
     fn nodes(&self) -> u64 {

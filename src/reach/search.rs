@@ -21,7 +21,7 @@ use super::metric::{Measure, Metric};
 use super::monitor::monitored;
 use super::outcome::{Argument, End, Outcome, Plan, Verdict};
 use super::planners::{Guidance, Method, Planner, blended};
-use super::portfolio::{Portfolio, Refinement};
+use super::portfolio::{Arm, Portfolio, Refinement};
 use super::problem::{Problem, Start};
 use super::sampler::Sampler;
 use super::search_context::{Notes, SearchContext};
@@ -46,6 +46,8 @@ pub struct Settings {
     pub restart: Restart,
     /// Number of nodes without a faster path after which a sampling planner ends that has found one; 0: with the first.
     pub patience: u64,
+    /// Whether `auto` goes on from the first path to faster ones, with twice as many nodes.
+    pub hastens: bool,
     /// Where samples are drawn from.
     pub sampling: Sampling,
     /// The metric.
@@ -74,6 +76,7 @@ impl Default for Settings {
             goal_bias: 0.05,
             restart: Restart::ByPlanner,
             patience: 0,
+            hastens: false,
             sampling: Sampling::Reduced,
             measure: Measure::Full,
             trees: 1,
@@ -237,27 +240,42 @@ impl<'a> Builder<'_, 'a> {
                     let strategy = blended(self.problem, self.measures.0, Guidance { distances, ..self.guidance });
                     self.sampler(planner, strategy, (tree, hold), (self.restart(distances), false))
                 };
-                let [blended, by_time, coverage] = if self.problem.time().is_some() { IN_TIME } else { AUTO };
-                let mut arms = vec![(blended, led(self.guidance.distances))];
+                let shares = if self.problem.time().is_some() { IN_TIME } else { AUTO };
+                let mut arms = vec![Arm::new(shares.blended, led(self.guidance.distances))];
                 // Before the edge that leads on, something else may have to be done elsewhere.
                 let is_certain = self.guidance.distances.is_none_or(DistanceField::is_goal);
                 if !is_certain {
-                    arms.push((blended, led(None)));
+                    arms.push(Arm::new(shares.blended, led(None)));
                 }
-                let by_time = self.guidance.distances.map(|_| (by_time, Planner::TimeGuided));
-                for (share, planner) in by_time.into_iter().chain([(coverage, Planner::Coverage), (1, Planner::Rrt)]) {
-                    arms.push((share, self.single(planner, tree, self.settings.hold)));
+                let mut add = |planner: Planner, share: u64, for_faster: u64| {
+                    let for_faster = if self.settings.hastens { for_faster } else { 0 };
+                    let searchers = self.searchers(planner, tree, self.settings.hold);
+                    arms.extend(searchers.into_iter().map(|one| Arm::new(share, one).for_faster(for_faster)));
+                };
+                if self.guidance.distances.is_some() {
+                    add(Planner::TimeGuided, shares.by_time, 1);
+                    add(Planner::Beam, shares.beam, FASTER_BY_BEAM);
                 }
+                add(Planner::Coverage, shares.coverage, 0);
+                add(Planner::Rrt, 1, 0);
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
-                    arms.push((1, Box::new(self.refinement(tree))));
+                    arms.push(Arm::new(1, Box::new(self.refinement(tree))));
                 }
-                Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
+                self.portfolio(arms)
             }
-            Method::Sampling { .. } | Method::Exhaustive { .. } => {
-                self.single(self.settings.planner, tree, self.settings.hold)
+            Method::Sampling { .. } | Method::Alternating { .. } | Method::Exhaustive { .. } => {
+                let mut searchers = self.searchers(self.settings.planner, tree, self.settings.hold);
+                match searchers.pop() {
+                    Some(only) if searchers.is_empty() => only,
+                    last => self.portfolio(searchers.into_iter().chain(last).map(|one| Arm::new(1, one)).collect()),
+                }
             }
         }
+    }
+
+    fn portfolio(&self, arms: Vec<Arm<'a>>) -> Box<dyn Searcher + 'a> {
+        Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
     }
 
     /// Number of nodes of the shortest tree of `auto` that is led by distances and by coverage.
@@ -304,19 +322,25 @@ impl<'a> Builder<'_, 'a> {
             .tracking(self.settings.explains, self.guidance.distances)
     }
 
-    /// The searcher of a single planner.
-    fn single(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Box<dyn Searcher + 'a> {
+    /// The searchers of a single planner, as a rule one.
+    fn searchers(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Vec<Box<dyn Searcher + 'a>> {
         let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
+        let asked = (self.problem, self.measures.0, self.guidance);
         match planner.method() {
             Method::Sampling { samples, strategy } => {
-                let strategy = strategy(self.problem, self.measures.0, self.guidance);
-                self.sampler(planner, strategy, (tree, hold), (planner.restart(), samples))
+                let strategy = strategy(asked.0, asked.1, asked.2);
+                vec![self.sampler(planner, strategy, (tree, hold), (planner.restart(), samples))]
+            }
+            Method::Alternating { strategies } => {
+                let strategies = strategies(asked.0, asked.1, asked.2).into_iter();
+                let restart = (planner.restart(), false);
+                strategies.map(|strategy| self.sampler(planner, strategy, (tree, hold), restart)).collect()
             }
             Method::Portfolio | Method::Exhaustive { .. } => {
                 let least = self.problem.min_hold();
                 let change = if hold.0 > least { Change::Every(hold.0) } else { Change::After(least) };
                 let is_best_first = matches!(planner.method(), Method::Exhaustive { is_best_first: true });
-                Box::new(self.exhaustive(tree, change, is_best_first))
+                vec![Box::new(self.exhaustive(tree, change, is_best_first))]
             }
         }
     }
@@ -373,11 +397,23 @@ const RESTART_BY_NUMBERS: u64 = 20_000;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The shares of the work in `auto`, as a rule and with a time limit: of the tree that is led by distances and by coverage,
-/// of trees that are led by time, where there are distances, and of one by coverage alone, where distances lead astray.
-/// RRT, which finds some things that these do not, and an exhaustive search, which looks for proofs, have a share of 1.
-const AUTO: [u64; 3] = [8, 8, 3];
-const IN_TIME: [u64; 3] = [10, 10, 1];
+/// The shares of the work in `auto`. RRT, which finds some things that others do not, and an exhaustive search, which looks
+/// for proofs, have a share of 1.
+struct Shares {
+    /// Of the tree that is led by distances and by coverage.
+    blended: u64,
+    /// Of each of the trees that are led by time, and of a beam, where there are distances.
+    by_time: u64,
+    beam: u64,
+    /// Of a tree by coverage alone, where distances lead astray.
+    coverage: u64,
+}
+
+/// The shares as a rule, and with a time limit.
+const AUTO: Shares = Shares { blended: 8, by_time: 3, beam: 4, coverage: 3 };
+const IN_TIME: Shares = Shares { blended: 8, by_time: 3, beam: 4, coverage: 1 };
+/// The share of a beam in the search for a faster path; each tree that is led by time has 1.
+const FASTER_BY_BEAM: u64 = 3;
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

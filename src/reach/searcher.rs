@@ -51,6 +51,9 @@ pub(super) trait Searcher: Send {
     /// Goes on from states on the way of another search as well, which came to a distance.
     fn adopt(&mut self, _nearest: u32, _way: &[Start]) {}
 
+    /// From now on, looks for paths of fewer steps than a number.
+    fn look_for_faster(&mut self, _steps: u64) {}
+
     /// Adds its notes so far.
     fn report(&self, notes: &mut Notes);
 

@@ -69,6 +69,8 @@ pub(super) enum Method {
     Portfolio,
     /// The planning loop with a strategy; `samples` if the strategy uses samples.
     Sampling { samples: bool, strategy: BuildStrategy },
+    /// The planning loop with several strategies without samples, a tree of each in turns.
+    Alternating { strategies: BuildStrategies },
     /// Visits each state once, breadth first or best first.
     Exhaustive { is_best_first: bool },
 }
@@ -93,6 +95,10 @@ pub(super) fn blended<'m>(
 
 /// Builds a strategy for a problem, a metric and what leads to the goal.
 pub(super) type BuildStrategy = for<'m> fn(&Problem<'_>, &'m Metric, Guidance<'m>) -> Box<dyn Strategy + Send + 'm>;
+
+/// Builds several.
+pub(super) type BuildStrategies =
+    for<'m> fn(&Problem<'_>, &'m Metric, Guidance<'m>) -> Vec<Box<dyn Strategy + Send + 'm>>;
 
 impl Spec {
     /// A sampling planner with the default settings.
@@ -180,9 +186,11 @@ const SPECS: [Spec; 14] = [
         hold: (1, 16),
         restart: u64::MAX,
         uses_distances: true,
-        method: Method::Sampling {
-            samples: false,
-            strategy: |problem, metric, guidance| Box::new(time_guided::TimeGuided::new(problem, metric, guidance)),
+        method: Method::Alternating {
+            strategies: |problem, metric, guidance| {
+                let strategies = time_guided::TimeGuided::of_all_manners(problem, metric, guidance);
+                strategies.into_iter().map(|strategy| Box::new(strategy) as Box<dyn Strategy + Send>).collect()
+            },
         },
     },
     Spec {

@@ -4,8 +4,9 @@
 //! estimate is the distance to the goal (`distance.rs`) at the pace at which the tree has come nearer so far, at least the
 //! lower bound of the time. Of nodes in one cell, with similar positions and velocities and the same modes, only the
 //! earliest is extended, as in the hybrid A* of Dolgov, Thrun, Montemerlo and Diebel, *Path Planning for Autonomous
-//! Vehicles in Unknown Semi-structured Environments*, 2010. Trees take turns in how they weigh the rest and in how fine
-//! their cells are, and grow larger, as in the restarts of Richter, Thayer and Ruml, *The Joy of Forgetting*, 2010.
+//! Vehicles in Unknown Semi-structured Environments*, 2010. Several trees grow side by side, which differ in how they weigh
+//! the rest and in how fine their cells are. Each is begun anew, larger, as in the restarts of Richter, Thayer and Ruml,
+//! *The Joy of Forgetting*, 2010.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -35,19 +36,18 @@ struct Manner {
     hold: u16,
 }
 
-/// The manners of the trees, in turns: the first finds fast ways through open levels, the others any way through more.
+/// The manners of the trees: the first finds fast ways through open levels, the others any way through more.
 const MANNERS: [Manner; 3] = [FAST, BROAD, COARSE];
 /// With a time limit, which a way without detours has to keep.
 const TIMED: [Manner; 4] = [FAST, Manner { bound: 10, ..FAST }, BROAD, COARSE];
 const FAST: Manner = Manner { weight: 8, bound: 12, cell: PLACE / 2.0, hold: 8 };
 const BROAD: Manner = Manner { weight: 16, hold: 12, ..FAST };
 const COARSE: Manner = Manner { weight: 20, cell: PLACE, hold: 16, ..FAST };
-/// Number of nodes of the first trees, and with a time limit; it doubles once all manners had their turn.
-const NODES: u64 = 4_000;
-const NODES_TIMED: u64 = 8_000;
+/// Number of nodes of a first tree; the next one has twice as many.
+const NODES: u64 = 32_000;
 /// Maximum number of doublings.
 const DOUBLINGS: u32 = 16;
-/// After as many trees of each manner in a row that had nothing left to extend, no more follow.
+/// After as many trees in a row that had nothing left to extend, no more follow.
 const WHOLE: u32 = 4;
 /// Number of cells for the range of velocities.
 const VELOCITIES: f64 = 16.0;
@@ -71,10 +71,7 @@ struct Candidate {
 pub struct TimeGuided<'m> {
     distances: Option<&'m DistanceField>,
     players: PlayerCells<'m>,
-    manners: &'static [Manner],
     manner: Manner,
-    /// Number of nodes of a tree of the first round.
-    first: u64,
     /// Number of trees, and of the last ones that had nothing left to extend.
     trees: u32,
     whole: u32,
@@ -94,15 +91,17 @@ pub struct TimeGuided<'m> {
 }
 
 impl<'m> TimeGuided<'m> {
-    /// A strategy for a problem, with what leads to its goal.
-    pub fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Self {
-        let is_timed = problem.time().is_some();
+    /// The strategies for a problem, one for each manner, with what leads to its goal.
+    pub fn of_all_manners(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Vec<Self> {
+        let manners: &[Manner] = if problem.time().is_some() { &TIMED } else { &MANNERS };
+        manners.iter().map(|manner| TimeGuided::new(problem, metric, guidance, *manner)).collect()
+    }
+
+    fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>, manner: Manner) -> Self {
         TimeGuided {
             distances: guidance.distances,
             players: PlayerCells::new(problem, metric, guidance, VELOCITIES),
-            manners: if is_timed { &TIMED } else { &MANNERS },
-            manner: FAST,
-            first: if is_timed { NODES_TIMED } else { NODES },
+            manner,
             trees: 0,
             whole: 0,
             nodes: 0,
@@ -123,9 +122,7 @@ impl<'m> TimeGuided<'m> {
         self.whole = if self.trees > 0 && is_whole { self.whole + 1 } else { 0 };
         self.soonest.clear();
         self.queue.clear();
-        let (round, at) = (self.trees / self.manners.len() as u32, self.trees as usize % self.manners.len());
-        self.manner = self.manners[at];
-        self.nodes = self.first << round.min(DOUBLINGS);
+        self.nodes = NODES << self.trees.min(DOUBLINGS);
         self.trees += 1;
         (self.added, self.ordered, self.nearest, self.pace) = (0, 0, (u32::MAX, 0), 0.0);
     }
@@ -196,7 +193,7 @@ impl Strategy for TimeGuided<'_> {
 
     fn is_spent(&self) -> bool {
         // What is held ahead is drawn anew each time.
-        self.whole >= WHOLE * self.manners.len() as u32
+        self.whole >= WHOLE
     }
 
     fn bytes(&self) -> usize {

@@ -12,7 +12,6 @@ use crate::watch::{Meter, Unwatched, Watch};
 
 use super::super::exchange::plan_from_script;
 use super::super::explore::Observer;
-use super::super::improve_duration::hasten;
 use super::super::luck::only_read;
 use super::super::monitor::{Monitor, Refutation};
 use super::super::outcome::{End, Outcome, Plan, Verdict};
@@ -418,14 +417,9 @@ impl Session {
             Some(observer) => problem.observed(observer),
             None => problem,
         };
+        let hastens = settings.hold.is_none() && self.query.style.is_none() && observer.is_none();
+        let settings = &Settings { hastens, ..*settings };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
-        if settings.planner == Planner::Auto
-            && settings.hold.is_none()
-            && self.query.style.is_none()
-            && observer.is_none()
-        {
-            hasten(&problem, &self.space, settings, limits, &mut outcome, watch);
-        }
         if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {
             let limits = Limits { nodes: limits.nodes.min(SAMPLE_NODES), ..*limits };
             let settings = Settings { records: false, planner: Planner::Auto, ..*settings };

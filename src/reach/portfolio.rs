@@ -1,6 +1,6 @@
 //! A portfolio: alternates several planners with different strengths. Their shares are shares of work, which a meter
 //! counts, so that they are the same on every machine: a node of one planner costs many times that of another. The first
-//! answer counts, or the fastest path that is found with twice as many nodes: what is found first is often a detour.
+//! answer counts, or the fastest path that is found with as much work again: what is found first is often a detour.
 
 use super::outcome::Plan;
 use super::search_context::Notes;
@@ -12,38 +12,64 @@ const TURN: u64 = 64;
 const SHARE: u64 = 8;
 /// As many places must one be nearer to the goal for others to go on from its way.
 const AHEAD: u32 = 3;
+/// Who has done so many times the work that it took to come where it is, is not getting on; the divisor of its share if
+/// others are ahead.
+const STALE: u64 = 2;
+const LEFT: u64 = 3;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
 
-/// For a faster path, the search goes on for so many times the nodes of the first one, and for some at least.
+/// For a faster path, the search goes on until its work is so many times that of the first one, and for some nodes at least.
 const FASTER: u64 = 2;
-const FEWEST: u64 = 1_000;
+const FEWEST: u64 = 10_000;
 
 /// A planner with its shares of the work: until a path is found, and for a faster one.
 pub(super) struct Arm<'a> {
     share: u64,
     share_for_faster: u64,
     searcher: Box<dyn Searcher + 'a>,
+    /// Its least distance to the goal, places, and its work when it came there.
+    nearest: (u32, u64),
 }
 
 impl<'a> Arm<'a> {
     /// A planner with a share until a path is found, and none then.
     pub fn new(share: u64, searcher: Box<dyn Searcher + 'a>) -> Self {
-        Arm { share, share_for_faster: 0, searcher }
+        Arm { share, share_for_faster: 0, searcher, nearest: (u32::MAX, 0) }
     }
 
     /// The same, with a share in the search for a faster path.
     pub fn for_faster(self, share_for_faster: u64) -> Self {
         Arm { share_for_faster, ..self }
     }
+
+    /// Notes whether it has come nearer to the goal.
+    fn note_nearest(&mut self) {
+        if let Some(nearest) = self.searcher.nearest().filter(|nearest| *nearest < self.nearest.0) {
+            self.nearest = (nearest, self.searcher.work());
+        }
+    }
+
+    /// Whether others, who came to a distance, are ahead of it, and it has not come nearer for as long as it took to get
+    /// where it is. Who follows others is never left behind.
+    fn is_left_behind(&self, nearest: u32) -> bool {
+        let (mine, work) = self.nearest;
+        let searcher = &self.searcher;
+        searcher.nearest().is_some() && !searcher.follows() && is_ahead(nearest, mine) && searcher.work() > STALE * work
+    }
+}
+
+/// Whether a distance is so much nearer than another that others go on from there.
+fn is_ahead(nearest: u32, other: u32) -> bool {
+    other >= nearest.saturating_add(AHEAD)
 }
 
 /// The fastest path so far.
 struct Fastest {
     plan: Plan,
     planner: &'static str,
-    /// At this number of nodes the search ends.
-    until: u64,
+    /// At this number of nodes and work the search ends.
+    until: (u64, u64),
 }
 
 /// Alternates planners.
@@ -89,7 +115,7 @@ impl<'a> Portfolio<'a> {
                     self.retire(at);
                 }
                 self.arms.iter_mut().for_each(|arm| arm.share = arm.share_for_faster);
-                nodes + (FASTER * nodes).max(FEWEST)
+                (nodes + FEWEST, FASTER * self.work())
             }
         };
         self.turn = None;
@@ -98,13 +124,21 @@ impl<'a> Portfolio<'a> {
         None
     }
 
+    /// Whether there is a path, and enough was done for a faster one.
+    fn is_fast_enough(&self) -> bool {
+        self.fastest.as_ref().is_some_and(|fastest| {
+            let (nodes, work) = fastest.until;
+            nodes <= self.nodes() && work <= self.work() || self.arms.is_empty()
+        })
+    }
+
     /// Lets all go on from the way of the one that came nearest to the goal, where it is ahead.
     fn exchange(&mut self) {
         let distances = self.arms.iter().enumerate().filter_map(|(at, arm)| Some((arm.searcher.nearest()?, at)));
         let Some((nearest, first)) = distances.min() else { return };
         let is_behind = |arm: &Arm<'_>| {
-            let other = arm.searcher.nearest();
-            other.is_some_and(|other| other >= nearest.saturating_add(AHEAD))
+            let other = arm.searcher.nearest().filter(|_| arm.searcher.follows());
+            other.is_some_and(|other| is_ahead(nearest, other))
         };
         if !self.arms.iter().any(is_behind) {
             return;
@@ -117,9 +151,12 @@ impl<'a> Portfolio<'a> {
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
+        let nearest = self.arms.iter().map(|arm| arm.nearest.0).min().unwrap_or(u32::MAX);
         (0..self.arms.len()).min_by_key(|at| {
-            let Arm { share, searcher, .. } = &self.arms[*at];
-            searcher.work().saturating_add(searcher.nodes().saturating_mul(NODE)) / share.max(&1)
+            let arm = &self.arms[*at];
+            let share =
+                if self.fastest.is_none() && arm.is_left_behind(nearest) { arm.share / LEFT } else { arm.share };
+            arm.searcher.work().saturating_add(arm.searcher.nodes().saturating_mul(NODE)) / share.max(1)
         })
     }
 }
@@ -129,7 +166,7 @@ impl Searcher for Portfolio<'_> {
         let until = self.nodes().saturating_add(nodes);
         loop {
             let nodes = self.nodes();
-            if self.fastest.as_ref().is_some_and(|fastest| fastest.until <= nodes || self.arms.is_empty())
+            if self.is_fast_enough()
                 && let Some(plan) = self.pending()
             {
                 return Ending::Reached(plan);
@@ -152,6 +189,8 @@ impl Searcher for Portfolio<'_> {
             let is_last = self.arms.len() == 1;
             let arm = &mut self.arms[at].searcher;
             let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left));
+            self.arms[at].note_nearest();
+            let arm = &mut self.arms[at].searcher;
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
             match ending {

@@ -216,15 +216,17 @@ impl<'a> Sampler<'a> {
         };
         self.discarded = 0;
         match self.context.extend(choice) {
-            // From there, the goal is too far away for the remaining time, or what it needs is used up.
-            Extension::Open
-                if self.lost.is_in(self.context.problem.sim, self.context.reached())
-                    || self.is_too_late(
-                        self.context.reached(),
-                        self.context.tree.depth(choice.node) + u32::from(choice.hold),
-                    ) =>
-            {
+            // What the goal needs is used up.
+            Extension::Open if self.lost.is_in(self.context.problem.sim, self.context.reached()) => {
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Failed);
+            }
+            Extension::Open
+                if self.is_too_late(
+                    self.context.reached(),
+                    self.context.tree.depth(choice.node) + u32::from(choice.hold),
+                ) =>
+            {
+                self.strategy.learn(&mut self.context, Some(choice), Growth::Late);
             }
             Extension::Open => {
                 let node = self.context.add(choice, true);
@@ -238,7 +240,7 @@ impl<'a> Sampler<'a> {
                 if self.time().is_none_or(|most| after <= most) {
                     return self.context.plan(choice, steps, false);
                 }
-                self.strategy.learn(&mut self.context, Some(choice), Growth::Failed);
+                self.strategy.learn(&mut self.context, Some(choice), Growth::Late);
             }
         }
         None
@@ -294,6 +296,10 @@ impl Searcher for Sampler<'_> {
     fn way(&mut self) -> Vec<Start> {
         self.keep_way();
         self.way.clone()
+    }
+
+    fn follows(&self) -> bool {
+        self.exchanged.is_some() && self.strategy.follows()
     }
 
     fn adopt(&mut self, nearest: u32, way: &[Start]) {

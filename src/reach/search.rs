@@ -247,17 +247,18 @@ impl<'a> Builder<'_, 'a> {
                 if !is_certain {
                     arms.push(Arm::new(shares.blended, led(None)));
                 }
-                let mut add = |planner: Planner, share: u64, for_faster: u64| {
-                    let for_faster = if self.settings.hastens { for_faster } else { 0 };
+                let mut add = |planner: Planner, shares: &[(u64, u64)]| {
                     let searchers = self.searchers(planner, tree, self.settings.hold);
-                    arms.extend(searchers.into_iter().map(|one| Arm::new(share, one).for_faster(for_faster)));
+                    arms.extend(searchers.into_iter().zip(shares).map(|(searcher, &(share, for_faster))| {
+                        Arm::new(share, searcher).for_faster(if self.settings.hastens { for_faster } else { 0 })
+                    }));
                 };
                 if self.guidance.distances.is_some() {
-                    add(Planner::TimeGuided, shares.by_time, 1);
-                    add(Planner::Beam, shares.beam, FASTER_BY_BEAM);
+                    add(Planner::TimeGuided, shares.by_time);
+                    add(Planner::Beam, &[shares.beam]);
                 }
-                add(Planner::Coverage, shares.coverage, 0);
-                add(Planner::Rrt, 1, 0);
+                add(Planner::Coverage, &[(shares.coverage, 0)]);
+                add(Planner::Rrt, &[(1, 0)]);
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
                     arms.push(Arm::new(1, Box::new(self.refinement(tree))));
@@ -397,23 +398,21 @@ const RESTART_BY_NUMBERS: u64 = 20_000;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
-/// The shares of the work in `auto`. RRT, which finds some things that others do not, and an exhaustive search, which looks
-/// for proofs, have a share of 1.
+/// The shares of the work in `auto`: until a path is found, and in the search for a faster one. RRT, which finds some
+/// things that others do not, and an exhaustive search, which looks for proofs, have a share of 1.
 struct Shares {
     /// Of the tree that is led by distances and by coverage.
     blended: u64,
-    /// Of each of the trees that are led by time, and of a beam, where there are distances.
-    by_time: u64,
-    beam: u64,
+    /// Of the trees that are led by time, in the order of their manners, and of a beam, where there are distances.
+    by_time: &'static [(u64, u64)],
+    beam: (u64, u64),
     /// Of a tree by coverage alone, where distances lead astray.
     coverage: u64,
 }
 
 /// The shares as a rule, and with a time limit.
-const AUTO: Shares = Shares { blended: 8, by_time: 3, beam: 4, coverage: 3 };
-const IN_TIME: Shares = Shares { blended: 8, by_time: 3, beam: 4, coverage: 1 };
-/// The share of a beam in the search for a faster path; each tree that is led by time has 1.
-const FASTER_BY_BEAM: u64 = 3;
+const AUTO: Shares = Shares { blended: 6, by_time: &[(5, 3), (3, 2), (2, 0)], beam: (6, 4), coverage: 3 };
+const IN_TIME: Shares = Shares { blended: 8, by_time: &[(4, 2), (3, 1), (3, 2), (2, 0)], beam: (6, 4), coverage: 1 };
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

@@ -48,6 +48,11 @@ pub(super) trait Searcher: Send {
         Vec::new()
     }
 
+    /// Whether it goes on from the ways of other searches.
+    fn follows(&self) -> bool {
+        false
+    }
+
     /// Goes on from states on the way of another search as well, which came to a distance.
     fn adopt(&mut self, _nearest: u32, _way: &[Start]) {}
 

@@ -26,6 +26,8 @@ pub enum Growth<'p> {
     Added(NodeId, &'p Point),
     /// The extension ended in a dead state.
     Failed,
+    /// From where it ended, the goal is too far away for the time that is left.
+    Late,
 }
 
 /// Everything in which planners differ; the loop does the rest.
@@ -50,6 +52,12 @@ pub trait Strategy {
     /// Whether further trees would be like those before.
     fn is_spent(&self) -> bool {
         false
+    }
+
+    /// Whether it goes on from states on the ways of other searches; not so where ways are to be fast, as those may be
+    /// detours.
+    fn follows(&self) -> bool {
+        true
     }
 
     /// The name of the planner that made the last choice, if there are several.

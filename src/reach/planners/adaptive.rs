@@ -132,7 +132,7 @@ impl Strategy for Adaptive {
                 }
                 is_new
             }
-            Growth::Failed => false,
+            Growth::Failed | Growth::Late => false,
         };
         if choice.is_some() {
             let (new, all) = &mut self.yields[self.source as usize];

@@ -16,6 +16,7 @@ use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
 
 use super::Guidance;
+use super::dead_ends::DeadEnds;
 use super::player_cells::PlayerCells;
 
 /// The number of states of a time that are extended in the first tree; it grows by half with each tree.
@@ -29,11 +30,20 @@ const FORGETS: u32 = 4;
 /// After so many times in which none comes nearer to the goal, a wider tree begins: where cells are entered again, no tree
 /// ends by itself.
 const STUCK: u32 = 64;
+/// The number of times that it goes back the first time that none is left, and how often in a row without coming nearer, each
+/// time twice as far.
+const BACK: usize = 4;
+const RETURNS: u32 = 5;
+/// As many times the states that are extended are kept to go back to.
+const RESERVE: usize = 4;
 /// The holds of the trees, in turns, steps.
 const HOLDS: [u16; 3] = [8, 12, 6];
 /// The side of a cell, px, and the number of cells for the range of velocities.
 const CELL: f64 = PLACE / 2.0;
 const VELOCITIES: f64 = 16.0;
+/// The same for the kinds of states that dead ends are learned of.
+const KIND: f64 = PLACE;
+const KIND_VELOCITIES: f64 = 6.0;
 
 /// A state that may be extended.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +54,10 @@ struct Candidate {
     /// Its distance to the goal, and the one that is expected after the next extension, places.
     distance: f64,
     expected: f64,
+    /// Its number among the states of the tree, and whether it seems to be in a dead end.
+    state: u32,
+    kind: u64,
+    is_dead: bool,
 }
 
 /// A strategy that extends the nearest states of each time.
@@ -51,6 +65,9 @@ struct Candidate {
 pub(super) struct Beam<'m> {
     distances: Option<&'m DistanceField>,
     players: PlayerCells<'m>,
+    /// The kinds of states, coarser than cells, and which of them are dead ends.
+    kinds: PlayerCells<'m>,
+    dead_ends: DeadEnds,
     /// The number of trees so far, and of the last ones that had nothing left to extend.
     trees: u32,
     whole: u32,
@@ -65,6 +82,11 @@ pub(super) struct Beam<'m> {
     layer: Vec<Candidate>,
     done: usize,
     next: Vec<Candidate>,
+    /// For each layer so far, the nearest of the states that were not extended.
+    reserve: Vec<Vec<Candidate>>,
+    /// How often in a row it went back without coming nearer since, and the least distance then.
+    returns: u32,
+    before: f64,
     /// The least depth in each cell, lately.
     soonest: HashMap<u64, u32>,
     /// The number of states of the layer in each place.
@@ -77,6 +99,8 @@ impl<'m> Beam<'m> {
         Beam {
             distances: guidance.distances,
             players: PlayerCells::new(problem, metric, guidance, VELOCITIES),
+            kinds: PlayerCells::new(problem, metric, guidance, KIND_VELOCITIES),
+            dead_ends: DeadEnds::default(),
             trees: 0,
             whole: 0,
             layers: 0,
@@ -86,6 +110,9 @@ impl<'m> Beam<'m> {
             layer: Vec::new(),
             done: 0,
             next: Vec::new(),
+            reserve: Vec::new(),
+            returns: 0,
+            before: f64::INFINITY,
             soonest: HashMap::default(),
             in_place: HashMap::default(),
         }
@@ -97,6 +124,9 @@ impl<'m> Beam<'m> {
             self.width = (self.width + self.width / 2).min(WIDEST);
         }
         self.trees += 1;
+        self.dead_ends.end_tree();
+        self.reserve.clear();
+        (self.returns, self.before) = (0, f64::INFINITY);
         self.is_cut = false;
         self.nearest = (f64::INFINITY, 0);
         self.done = 0;
@@ -105,17 +135,23 @@ impl<'m> Beam<'m> {
         self.soonest.clear();
     }
 
-    fn add(&mut self, context: &SearchContext<'_>, node: NodeId, point: &Point, from: Option<f64>) {
+    fn add(&mut self, context: &SearchContext<'_>, node: NodeId, point: &Point, from: Option<Candidate>) {
         let [place, key] = self.players.keys(context, point, CELL);
         let depth = context.tree.depth(node);
         let soonest = self.soonest.entry(key).or_insert(u32::MAX);
         if depth >= *soonest {
+            if let Some(from) = from {
+                self.dead_ends.leave(from.state);
+            }
             return;
         }
         *soonest = depth;
+        let [_, kind] = self.kinds.keys(context, point, KIND);
         let distance = self.distances.map_or(0.0, |distances| distances.fine(context.problem.sim, context.reached()));
-        let expected = from.map_or(distance, |from| distance + (distance - from));
-        self.next.push(Candidate { node, place, distance, expected });
+        let expected = from.map_or(distance, |from| distance + (distance - from.distance));
+        let state = self.dead_ends.add(from.map(|from| from.state), kind);
+        let is_dead = self.dead_ends.is_dead(kind);
+        self.next.push(Candidate { node, place, distance, expected, state, kind, is_dead });
     }
 
     /// Goes on to the nearest of the states that the last ones led to.
@@ -124,15 +160,22 @@ impl<'m> Beam<'m> {
         self.done = 0;
         std::mem::swap(&mut self.layer, &mut self.next);
         let count = self.layer.len();
-        self.layer.sort_by(|a, b| a.expected.total_cmp(&b.expected));
+        self.layer.sort_by(|a, b| a.is_dead.cmp(&b.is_dead).then(a.expected.total_cmp(&b.expected)));
         let most = (self.width / PLACES).max(1);
         self.in_place.clear();
+        let mut left = Vec::new();
+        let (width, mut kept) = (self.width, 0);
         self.layer.retain(|candidate| {
             let count = self.in_place.entry(candidate.place).or_insert(0);
             *count += 1;
-            *count <= most
+            let is_kept = kept < width && *count <= most;
+            kept += usize::from(is_kept);
+            if !is_kept && left.len() < width * RESERVE {
+                left.push(*candidate);
+            }
+            is_kept
         });
-        self.layer.truncate(self.width);
+        self.reserve.push(left);
         self.is_cut |= self.layer.len() < count;
         let distance = self.layer.iter().map(|candidate| candidate.distance).fold(f64::INFINITY, f64::least);
         self.nearest = if distance < self.nearest.0 { (distance, 0) } else { (self.nearest.0, self.nearest.1 + 1) };
@@ -140,6 +183,30 @@ impl<'m> Beam<'m> {
         self.layers += 1;
         if self.layers.is_multiple_of(FORGETS) {
             self.soonest.clear();
+        }
+    }
+
+    /// Whether it can go back to states that were not extended.
+    fn can_return(&self) -> bool {
+        let is_nearer = self.nearest.0 < self.before;
+        (is_nearer || self.returns < RETURNS) && !self.reserve.is_empty()
+    }
+
+    /// Goes back, each time further as long as none comes nearer.
+    fn go_back(&mut self) {
+        self.dead_ends.learn();
+        self.returns = if self.nearest.0 < self.before { 0 } else { self.returns };
+        self.before = self.nearest.0;
+        self.reserve.truncate(self.reserve.len().saturating_sub(BACK << self.returns).max(1));
+        self.returns += 1;
+        self.nearest.1 = 0;
+        self.soonest.clear();
+        while self.next.is_empty()
+            && let Some(mut layer) = self.reserve.pop()
+        {
+            layer.iter_mut().for_each(|candidate| candidate.is_dead = self.dead_ends.is_dead(candidate.kind));
+            layer.retain(|candidate| !candidate.is_dead);
+            self.next = layer;
         }
     }
 
@@ -156,12 +223,16 @@ impl<'m> Beam<'m> {
 impl Strategy for Beam<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
         if self.done == self.layer.len() {
+            if self.next.is_empty() {
+                self.go_back();
+            }
             self.advance();
         }
         while let Some(candidate) = self.layer.get(self.done) {
             if let Some(choice) = context.draw_untried_holding(candidate.node) {
                 return Some(Choice { hold: self.hold(context), ..choice });
             }
+            self.dead_ends.finish(candidate.state);
             self.done += 1;
         }
         None
@@ -174,15 +245,24 @@ impl Strategy for Beam<'_> {
                 self.add(context, root, point, None);
             }
             Growth::Added(node, point) => {
-                let from = self.layer.get(self.done).filter(|_| choice.is_some()).map(|from| from.distance);
+                let from = self.layer.get(self.done).filter(|_| choice.is_some()).copied();
                 self.add(context, node, point, from);
             }
             Growth::Failed => {}
+            Growth::Late => {
+                if let Some(from) = self.layer.get(self.done) {
+                    self.dead_ends.leave(from.state);
+                }
+            }
         }
     }
 
+    fn follows(&self) -> bool {
+        false
+    }
+
     fn is_over(&self) -> bool {
-        self.done == self.layer.len() && (self.next.is_empty() || self.is_stuck())
+        self.done == self.layer.len() && (self.next.is_empty() && !self.can_return() || self.is_stuck())
     }
 
     fn is_spent(&self) -> bool {
@@ -191,7 +271,8 @@ impl Strategy for Beam<'_> {
     }
 
     fn bytes(&self) -> usize {
-        self.soonest.capacity() * 16
+        self.dead_ends.bytes()
+            + self.soonest.capacity() * 16
             + self.in_place.capacity() * 24
             + (self.layer.capacity() + self.next.capacity()) * size_of::<Candidate>()
     }

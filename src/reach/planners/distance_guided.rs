@@ -189,7 +189,7 @@ impl Strategy for DistanceGuided<'_> {
                 self.add(context, root, point);
             }
             Growth::Added(node, point) => self.add(context, node, point),
-            Growth::Failed => {}
+            Growth::Failed | Growth::Late => {}
         }
     }
 

@@ -38,8 +38,8 @@ impl Strategy for Eg {
                 root
             }
             (Growth::Added(node, _), _) => node,
-            (Growth::Failed, Some(choice)) => return self.violations.fail(context, choice.node),
-            (Growth::Failed, None) => return,
+            (Growth::Failed | Growth::Late, Some(choice)) => return self.violations.fail(context, choice.node),
+            (Growth::Failed | Growth::Late, None) => return,
         };
         self.violations.add();
         for failed in self.reachable.add(context, node) {

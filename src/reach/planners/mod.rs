@@ -9,6 +9,7 @@ mod beam;
 mod blended;
 mod cells;
 mod coverage_guided;
+mod dead_ends;
 mod distance_guided;
 mod eg;
 mod guided;

@@ -36,8 +36,8 @@ impl Strategy for Rc {
                 self.violations.add();
             }
             (Growth::Added(..), _) => self.violations.add(),
-            (Growth::Failed, Some(choice)) => self.violations.fail(context, choice.node),
-            (Growth::Failed, None) => {}
+            (Growth::Failed | Growth::Late, Some(choice)) => self.violations.fail(context, choice.node),
+            (Growth::Failed | Growth::Late, None) => {}
         }
         self.rrt.learn(context, choice, growth);
     }

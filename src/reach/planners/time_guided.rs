@@ -183,8 +183,12 @@ impl Strategy for TimeGuided<'_> {
                 self.add(context, root, point);
             }
             Growth::Added(node, point) => self.add(context, node, point),
-            Growth::Failed => {}
+            Growth::Failed | Growth::Late => {}
         }
+    }
+
+    fn follows(&self) -> bool {
+        self.manner.weight > FAST.weight
     }
 
     fn is_over(&self) -> bool {

@@ -184,7 +184,7 @@ fn ways_that_are_found_are_as_fast_as_a_player_who_knows_the_level() {
 }
 
 #[test]
-fn he_starts_on_the_ground_of_any_level_and_under_its_top() {
+fn he_starts_on_the_ground_of_any_level_and_jumps_over_its_top_but_cannot_stand_there() {
     // Two rows of ground with a block on it.
     let mut rows = vec!["-".repeat(60); 12];
     rows.extend(["-".repeat(2) + "XX" + &"-".repeat(56), "X".repeat(60), "X".repeat(60)]);
@@ -196,10 +196,20 @@ fn he_starts_on_the_ground_of_any_level_and_under_its_top() {
     };
     let (_, x, y) = start(&rows);
     assert_eq!((x, y), (40.0, 48.0));
-    // Where the level ends he bumps his head.
-    let (low, ..) = start(&rows[11..]);
-    let highest = run(&low, "-*9 jump*60").iter().map(|(p, ..)| p[1]).fold(0.0, f64::max);
-    assert_eq!(highest, 4.0 * 16.0 - 15.0);
+    // A level of four rows stops no jump.
+    let low = &rows[11..];
+    let seen = run(&start(low).0, "-*9 jump*60");
+    let highest = seen.iter().map(|(p, ..)| p[1]).fold(0.0, f64::max);
+    assert!((highest - 114.0).abs() <= 0.1 && seen.iter().all(|(.., over)| !over), "{highest}");
+    // With a block up to its top, he comes over that block, and no further if he lands on it.
+    let mut walled = low.to_vec();
+    walled[0].replace_range(10..20, "XXXXXXXXXX");
+    walled[1].replace_range(10..20, "XXXXXXXXXX");
+    let program = start(&walled).0;
+    let lands = (60..120).map(|steps| run(&program, &format!("-*9 right+run*{steps} right+run+jump*120")));
+    let over: Vec<_> = lands.filter(|seen| seen.iter().any(|(p, ..)| p[0] > 160.0 && p[1] >= 64.0)).collect();
+    assert!(!over.is_empty(), "he comes over it");
+    assert!(over.iter().all(|seen| seen.iter().any(|(p, .., over)| *over && p[1] == 64.0)), "and is out there");
 }
 
 #[test]

@@ -368,7 +368,7 @@ fn thresholds() -> Vec<Threshold> {
     vec![
         // From x = 99 to x = 162, with a foot of a pixel at both ends: 78 px and anything less.
         Threshold {
-            nodes: 8_000,
+            nodes: 10_000,
             ..base(
                 "a gap whose width is a constant",
                 small(

@@ -19,9 +19,10 @@ const LEFT: u64 = 3;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
 
-/// For a faster path, the search goes on until its work is so many times that of the first one, and for some nodes at least.
+/// For a faster path, the search goes on until its work is so many times that of the first one, and for some nodes at
+/// least: for so many times those of the first one, and as many more, but not for more than a number of nodes.
 const FASTER: u64 = 2;
-const FEWEST: u64 = 10_000;
+const FEWEST: [u64; 3] = [16, 1_000, 24_000];
 
 /// A planner with its shares of the work: until a path is found, and for a faster one.
 pub(super) struct Arm<'a> {
@@ -115,7 +116,8 @@ impl<'a> Portfolio<'a> {
                     self.retire(at);
                 }
                 self.arms.iter_mut().for_each(|arm| arm.share = arm.share_for_faster);
-                (nodes + FEWEST, FASTER * self.work())
+                let [times, more, most] = FEWEST;
+                (nodes + (times * nodes + more).min(most), FASTER * self.work())
             }
         };
         self.turn = None;

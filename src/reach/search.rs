@@ -411,7 +411,7 @@ struct Shares {
 }
 
 /// The shares as a rule, and with a time limit.
-const AUTO: Shares = Shares { blended: 6, by_time: &[(5, 3), (3, 2), (2, 0)], beam: (6, 4), coverage: 3 };
+const AUTO: Shares = Shares { blended: 8, by_time: &[(5, 3), (3, 2), (2, 0)], beam: (6, 4), coverage: 4 };
 const IN_TIME: Shares = Shares { blended: 8, by_time: &[(4, 2), (3, 1), (3, 2), (2, 0)], beam: (6, 4), coverage: 1 };
 
 /// Parallel searchers.

@@ -2,7 +2,9 @@
 //!
 //! The beam search of Lowerre, *The HARPY Speech Recognition System*, 1976, over cells (`player_cells.rs`): a state is as
 //! near as it will be after one more extension at the pace of the last one, and of several states in one cell the first is
-//! kept. Each tree is wider than the one before, so that the first ways cost little and later ones are nearly the fastest.
+//! kept. Where all ways end, it goes back to states that it passed over, further each time, as in Furcy and Koenig, *Limited
+//! Discrepancy Beam Search*, 2005; those that seem to be in dead ends (`dead_ends.rs`) come last. Each tree is wider than the
+//! one before, so that the first ways cost little and later ones are nearly the fastest.
 
 use hashbrown::HashMap;
 

@@ -6,7 +6,7 @@
 //! earliest is extended, as in the hybrid A* of Dolgov, Thrun, Montemerlo and Diebel, *Path Planning for Autonomous
 //! Vehicles in Unknown Semi-structured Environments*, 2010. Several trees grow side by side, which differ in how they weigh
 //! the rest and in how fine their cells are. Each is begun anew, larger, as in the restarts of Richter, Thayer and Ruml,
-//! *The Joy of Forgetting*, 2010.
+//! *The Joy of Forgetting*, 2010, or, if nothing was left to extend, with cells and holds half as large.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -47,8 +47,8 @@ const COARSE: Manner = Manner { weight: 20, cell: PLACE, hold: 16, ..FAST };
 const NODES: u64 = 32_000;
 /// Maximum number of doublings.
 const DOUBLINGS: u32 = 16;
-/// After as many trees in a row that had nothing left to extend, no more follow.
-const WHOLE: u32 = 4;
+/// After as many trees in a row that had nothing left to extend, each finer than the one before, no more follow.
+const WHOLE: u32 = 5;
 /// Number of cells for the range of velocities.
 const VELOCITIES: f64 = 16.0;
 
@@ -120,6 +120,10 @@ impl<'m> TimeGuided<'m> {
         // Of a root alone, the last input is tried before it leaves the queue.
         let is_whole = self.queue.is_empty() || self.added == 1;
         self.whole = if self.trees > 0 && is_whole { self.whole + 1 } else { 0 };
+        if self.whole > 0 {
+            self.manner.hold = (self.manner.hold / 2).max(1);
+            self.manner.cell /= 2.0;
+        }
         self.soonest.clear();
         self.queue.clear();
         self.nodes = NODES << self.trees.min(DOUBLINGS);

@@ -7,10 +7,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::support::{Disk, assert_leads_to, compile_text, program};
+use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile, compile_with};
 use hypedc::ir::{Program, WorldId};
 use hypedc::reach::query::{Query, Session};
-use hypedc::reach::{Limits, Plan, Planner, Settings, Target, Verdict};
+use hypedc::reach::{Limits, Plan, Planner, Problem, Settings, Target, Verdict, search};
 use hypedc::sim::Simulator;
 use hypedc::watch::Unwatched;
 
@@ -148,4 +149,34 @@ fn a_beam_that_is_stuck_gives_way_to_a_wider_one() {
         let (plan, _) = find(&program, "flag", (seed, 200_000), Planner::Beam).unwrap();
         assert!(plan.steps < 1_000, "seed {seed}: {} steps", plan.steps);
     }
+}
+
+#[test]
+fn auto_goes_on_from_its_first_way_to_faster_ones() {
+    let mut is_faster = false;
+    for (file, goal) in
+        [("examples/platforms.hyped", "flag"), ("examples/mario.hyped", "flag"), ("benches/worlds/tower.hyped", "bell")]
+    {
+        let program = program(compile(Path::new(file), &Disk));
+        let sim = Simulator::new(&program, WORLD);
+        let space = configuration_space(&program, WORLD);
+        let id = program.worlds[WORLD].goals.find(|of| of.name == goal).unwrap();
+        let problem = Problem::new(&sim, id);
+        for seed in 1..=2 {
+            let found = |hastens| {
+                let settings = Settings { seed, hastens, ..Settings::default() };
+                let outcome = search(&problem, &space, &settings, &Limits::default(), &Unwatched).unwrap();
+                let Verdict::Reached(plan) = outcome.verdict else { panic!("{file}, seed {seed}: not found") };
+                assert_leads_to(&sim, &plan.script, id);
+                (plan.steps, outcome.statistics.nodes)
+            };
+            let ((first, few), (fast, more)) = (found(false), found(true));
+            assert!(
+                fast <= first && more >= few,
+                "{file}, seed {seed}: {first} and {fast} steps, {few} and {more} nodes"
+            );
+            is_faster |= fast < first;
+        }
+    }
+    assert!(is_faster);
 }

@@ -12,7 +12,7 @@ use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::query::{Query, Session};
 use hypedc::reach::{Limits, Monitor, Planner, Problem, Settings, Target, Verdict, reach};
-use hypedc::sim::Simulator;
+use hypedc::sim::{Script, Simulator};
 use hypedc::source::{Files, ReadError};
 use hypedc::watch::Unwatched;
 
@@ -61,9 +61,14 @@ fn hero(program: &Program) -> SlotId {
 }
 
 /// After each step of a script: where the hero is and how fast, and how many enemies are left.
-fn run(program: &Arc<Program>, inputs: &str) -> Vec<([f64; 2], [f64; 2], usize, bool)> {
+fn run(program: &Arc<Program>, inputs: &str) -> Vec<Seen> {
+    run_script(program, &script(program, inputs))
+}
+
+type Seen = ([f64; 2], [f64; 2], usize, bool);
+
+fn run_script(program: &Arc<Program>, script: &Script) -> Vec<Seen> {
     let sim = Simulator::new(program, WORLD);
-    let script = script(program, inputs);
     let mut scratch = sim.scratch();
     let mut state = sim.initial(&mut scratch).unwrap();
     let (world, hero) = (sim.world(), hero(program));
@@ -274,4 +279,58 @@ fn a_gap_that_no_jump_crosses_is_proven() {
 #[test]
 fn a_gap_among_enemies_is_proven() {
     assert!(is_ruled_out(&gap(20, true)));
+}
+
+/// High pillars of three tiles, eight tiles apart, after open ground with stairs: each jump begins where the last one has
+/// landed, at speed, and comes above the top of the level.
+fn pillars(count: usize) -> String {
+    let width = 60 + count * 11;
+    let mut rows = vec![vec!['-'; width]; 14];
+    for (at, row) in rows.iter_mut().enumerate() {
+        let height = 14 - at;
+        for (column, tile) in row.iter_mut().enumerate() {
+            let steps = column.saturating_sub(29).min(9);
+            let is_pillar = column >= 40 && (column - 40) % 11 >= 8 && column < 40 + count * 11;
+            let top = if column < 40 {
+                1 + steps
+            } else if is_pillar {
+                10
+            } else {
+                0
+            };
+            // Beyond the last pillar there is ground again.
+            let top = if column >= 48 + count * 11 { 1 } else { top };
+            if height <= top {
+                *tile = 'X';
+            }
+        }
+    }
+    rows.iter().map(|row| row.iter().collect::<String>()).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_way_over_high_pillars_is_found_by_a_beam_and_by_auto() {
+    let program = level(&pillars(5));
+    let sim = Simulator::new(&program, WORLD);
+    for planner in [Planner::Beam, Planner::Auto] {
+        for seed in 1..=3 {
+            let found = find(&program, planner, seed);
+            let Verdict::Reached(plan) = found else { panic!("{planner:?}, seed {seed}: {found:?}") };
+            assert_leads_to(&sim, &plan.script, end(&program));
+            let seen = run_script(&program, &plan.script);
+            assert!(seen.iter().any(|(p, ..)| p[1] + 15.0 > 14.0 * 16.0), "{planner:?}, seed {seed}: over the top");
+        }
+    }
+}
+
+fn end(program: &Program) -> GoalId {
+    program.worlds[WORLD].goals.pairs().find(|(_, goal)| goal.name == "end").unwrap().0
+}
+
+fn find(program: &Arc<Program>, planner: Planner, seed: u64) -> Verdict {
+    let end = end(program);
+    let settings = Settings { planner, seed, ..Settings::default() };
+    let query = Query { settings, ..Query::new(vec![Target::Goal(end)]) };
+    let session = Session::new(program, WORLD, query, &Unwatched);
+    session.find(Target::Goal(end), &Unwatched).unwrap().outcome.verdict
 }

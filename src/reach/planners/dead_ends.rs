@@ -98,3 +98,51 @@ impl DeadEnds {
         self.tree.capacity() * size_of::<Visit>() + self.fates.capacity() * 24
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{ALIVE, DeadEnds, SAMPLES};
+
+    /// A tree with a chain of states of a kind below its root.
+    fn chain(of: &mut DeadEnds, kind: u64, length: u32) -> u32 {
+        let mut last = of.add(None, 0);
+        of.finish(last);
+        for _ in 0..length {
+            last = of.add(Some(last), kind);
+            of.finish(last);
+        }
+        last
+    }
+
+    #[test]
+    fn a_kind_from_which_all_ways_end_is_dead() {
+        let mut of = DeadEnds::default();
+        for _ in 0..SAMPLES {
+            assert!(!of.is_dead(7));
+            chain(&mut of, 7, 1);
+            of.end_tree();
+        }
+        assert!(of.is_dead(7) && !of.is_dead(8));
+    }
+
+    #[test]
+    fn a_way_that_was_left_alone_or_goes_on_for_long_is_not() {
+        let mut of = DeadEnds::default();
+        for _ in 0..2 * SAMPLES {
+            let last = chain(&mut of, 7, 1);
+            of.leave(last);
+            of.end_tree();
+            // The last one was not extended.
+            let last = chain(&mut of, 8, 1);
+            of.add(Some(last), 9);
+            of.end_tree();
+        }
+        assert!(!of.is_dead(7) && !of.is_dead(8) && !of.is_dead(9));
+        for _ in 0..2 * SAMPLES {
+            chain(&mut of, 10, 1);
+            chain(&mut of, 10, ALIVE + 1);
+            of.end_tree();
+        }
+        assert!(!of.is_dead(10));
+    }
+}

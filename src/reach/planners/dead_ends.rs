@@ -140,7 +140,7 @@ mod tests {
         assert!(!of.is_dead(7) && !of.is_dead(8) && !of.is_dead(9));
         for _ in 0..2 * SAMPLES {
             chain(&mut of, 10, 1);
-            chain(&mut of, 10, ALIVE + 1);
+            chain(&mut of, 10, 2 * ALIVE);
             of.end_tree();
         }
         assert!(!of.is_dead(10));

@@ -44,11 +44,13 @@ impl<'a> Arm<'a> {
         Arm { share_for_faster, ..self }
     }
 
-    /// Notes whether it has come nearer to the goal.
-    fn note_nearest(&mut self) {
+    /// Grows by about `nodes` nodes, and notes whether it has come nearer to the goal.
+    fn advance(&mut self, nodes: u64) -> Ending {
+        let ending = self.searcher.advance(nodes);
         if let Some(nearest) = self.searcher.nearest().filter(|nearest| *nearest < self.nearest.0) {
             self.nearest = (nearest, self.searcher.work());
         }
+        ending
     }
 
     /// Whether others, who came to a distance, are ahead of it, and it has not come nearer for as long as it took to get
@@ -115,7 +117,6 @@ impl<'a> Portfolio<'a> {
                 while let Some(at) = self.arms.iter().position(|arm| arm.share_for_faster == 0) {
                     self.retire(at);
                 }
-                self.arms.iter_mut().for_each(|arm| arm.share = arm.share_for_faster);
                 let [times, more, most] = FEWEST;
                 (nodes + (times * nodes + more).min(most), FASTER * self.work())
             }
@@ -151,13 +152,18 @@ impl<'a> Portfolio<'a> {
         }
     }
 
+    /// The share of a planner.
+    fn share(&self, arm: &Arm<'_>) -> u64 {
+        if self.fastest.is_some() { arm.share_for_faster } else { arm.share }
+    }
+
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
         let nearest = self.arms.iter().map(|arm| arm.nearest.0).min().unwrap_or(u32::MAX);
         (0..self.arms.len()).min_by_key(|at| {
             let arm = &self.arms[*at];
-            let share =
-                if self.fastest.is_none() && arm.is_left_behind(nearest) { arm.share / LEFT } else { arm.share };
+            let is_left = self.fastest.is_none() && arm.is_left_behind(nearest);
+            let share = self.share(arm) / if is_left { LEFT } else { 1 };
             arm.searcher.work().saturating_add(arm.searcher.nodes().saturating_mul(NODE)) / share.max(1)
         })
     }
@@ -167,13 +173,12 @@ impl Searcher for Portfolio<'_> {
     fn advance(&mut self, nodes: u64) -> Ending {
         let until = self.nodes().saturating_add(nodes);
         loop {
-            let nodes = self.nodes();
             if self.is_fast_enough()
                 && let Some(plan) = self.pending()
             {
                 return Ending::Reached(plan);
             }
-            let left = until.saturating_sub(nodes);
+            let left = until.saturating_sub(self.nodes());
             if left == 0 {
                 return Ending::Paused;
             }
@@ -184,15 +189,14 @@ impl Searcher for Portfolio<'_> {
                         self.exchange();
                     }
                     let Some(at) = self.next() else { return Ending::Spent };
-                    let Arm { share, searcher, .. } = &self.arms[at];
-                    (at, searcher.nodes() + (searcher.nodes() / SHARE).max(TURN * share))
+                    let (share, nodes) = (self.share(&self.arms[at]), self.arms[at].searcher.nodes());
+                    (at, nodes + (nodes / SHARE).max(TURN * share))
                 }
             };
             let is_last = self.arms.len() == 1;
-            let arm = &mut self.arms[at].searcher;
-            let ending = arm.advance(turn_ends.saturating_sub(arm.nodes()).min(left));
-            self.arms[at].note_nearest();
-            let arm = &mut self.arms[at].searcher;
+            let arm = &mut self.arms[at];
+            let ending = arm.advance(turn_ends.saturating_sub(arm.searcher.nodes()).min(left));
+            let arm = &mut arm.searcher;
             self.turn = (arm.nodes() < turn_ends).then_some((at, turn_ends));
             self.planner = arm.planner();
             match ending {
@@ -223,6 +227,10 @@ impl Searcher for Portfolio<'_> {
             *planner = arm.searcher.planner();
             Some(plan)
         })
+    }
+
+    fn has_found(&self) -> bool {
+        self.fastest.is_some()
     }
 
     fn nodes(&self) -> u64 {

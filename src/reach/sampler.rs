@@ -52,8 +52,8 @@ pub(super) struct Sampler<'a> {
     patience: u64,
     /// The fastest path so far, and the number of nodes when it was found.
     fastest: Option<(Plan, u64)>,
-    /// Maximum number of steps of a path from the start on: others have found one.
-    most: u32,
+    /// Maximum number of steps of a path: one less than the fastest has, of this search or of others.
+    most: Option<u32>,
     lost: &'a Lost,
     /// The distance field, if ways are exchanged with other searches.
     exchanged: Option<&'a DistanceField>,
@@ -94,7 +94,7 @@ impl<'a> Sampler<'a> {
             distances,
             patience,
             fastest: None,
-            most: u32::MAX,
+            most: None,
             lost,
             exchanged,
             nearest: (u32::MAX, None),
@@ -177,10 +177,7 @@ impl<'a> Sampler<'a> {
     /// Maximum number of steps of a path: of the question, and to be faster than the fastest so far, of this search or of
     /// others.
     fn time(&self) -> Option<u32> {
-        let faster = self.fastest.as_ref().map(|(plan, _)| (plan.steps - plan.after).saturating_sub(1));
-        let faster = faster.and_then(|steps| u32::try_from(steps).ok());
-        let most = (self.most < u32::MAX).then_some(self.most);
-        faster.into_iter().chain(self.context.problem.time()).chain(most).min()
+        self.most.into_iter().chain(self.context.problem.time()).min()
     }
 
     /// Whether the remaining time at a depth is less than the lower bound from a state.
@@ -251,6 +248,7 @@ impl<'a> Sampler<'a> {
         if self.patience == 0 {
             return Some(plan);
         }
+        self.look_for_faster(plan.steps - plan.after);
         self.fastest = Some((plan, self.nodes()));
         None
     }
@@ -311,8 +309,12 @@ impl Searcher for Sampler<'_> {
         }
     }
 
+    fn has_found(&self) -> bool {
+        self.fastest.is_some()
+    }
+
     fn look_for_faster(&mut self, steps: u64) {
-        self.most = u32::try_from(steps.saturating_sub(1)).unwrap_or(u32::MAX);
+        self.most = u32::try_from(steps.saturating_sub(1)).ok();
     }
 
     fn nodes(&self) -> u64 {

@@ -46,7 +46,7 @@ pub struct Settings {
     pub restart: Restart,
     /// Number of nodes without a faster path after which a sampling planner ends that has found one; 0: with the first.
     pub patience: u64,
-    /// Whether `auto` goes on from the first path to faster ones, with twice as many nodes.
+    /// Whether `auto` goes on from the first path to faster ones, with as much work again.
     pub hastens: bool,
     /// Where samples are drawn from.
     pub sampling: Sampling,
@@ -326,14 +326,14 @@ impl<'a> Builder<'_, 'a> {
     /// The searchers of a single planner, as a rule one.
     fn searchers(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Vec<Box<dyn Searcher + 'a>> {
         let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
-        let asked = (self.problem, self.measures.0, self.guidance);
+        let (problem, metric, guidance) = (self.problem, self.measures.0, self.guidance);
         match planner.method() {
             Method::Sampling { samples, strategy } => {
-                let strategy = strategy(asked.0, asked.1, asked.2);
+                let strategy = strategy(problem, metric, guidance);
                 vec![self.sampler(planner, strategy, (tree, hold), (planner.restart(), samples))]
             }
             Method::Alternating { strategies } => {
-                let strategies = strategies(asked.0, asked.1, asked.2).into_iter();
+                let strategies = strategies(problem, metric, guidance).into_iter();
                 let restart = (planner.restart(), false);
                 strategies.map(|strategy| self.sampler(planner, strategy, (tree, hold), restart)).collect()
             }
@@ -441,6 +441,8 @@ impl ParallelSearch<'_, '_> {
             if left == 0 {
                 return self.unanswered(End::Nodes, 0);
             }
+            // What was found needs no proof that there is nothing.
+            interlude = interlude.filter(|_| !self.trees.iter().any(|tree| tree.has_found()));
             if let Some(interlude) = interlude.take_if(|interlude| interlude.nodes <= nodes)
                 && (interlude.ends)()
             {

@@ -56,6 +56,11 @@ pub(super) trait Searcher: Send {
     /// Goes on from states on the way of another search as well, which came to a distance.
     fn adopt(&mut self, _nearest: u32, _way: &[Start]) {}
 
+    /// Whether it has a path already, and looks for a faster one.
+    fn has_found(&self) -> bool {
+        false
+    }
+
     /// From now on, looks for paths of fewer steps than a number.
     fn look_for_faster(&mut self, _steps: u64) {}
 

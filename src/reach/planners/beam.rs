@@ -56,10 +56,9 @@ struct Candidate {
     /// Its distance to the goal, and the one that is expected after the next extension, places.
     distance: f64,
     expected: f64,
-    /// Its number among the states of the tree, and whether it seems to be in a dead end.
+    /// Its number among the states of the tree, and its kind.
     state: u32,
     kind: u64,
-    is_dead: bool,
 }
 
 /// A strategy that extends the nearest states of each time.
@@ -152,8 +151,7 @@ impl<'m> Beam<'m> {
         let distance = self.distances.map_or(0.0, |distances| distances.fine(context.problem.sim, context.reached()));
         let expected = from.map_or(distance, |from| distance + (distance - from.distance));
         let state = self.dead_ends.add(from.map(|from| from.state), kind);
-        let is_dead = self.dead_ends.is_dead(kind);
-        self.next.push(Candidate { node, place, distance, expected, state, kind, is_dead });
+        self.next.push(Candidate { node, place, distance, expected, state, kind });
     }
 
     /// Goes on to the nearest of the states that the last ones led to.
@@ -162,7 +160,8 @@ impl<'m> Beam<'m> {
         self.done = 0;
         std::mem::swap(&mut self.layer, &mut self.next);
         let count = self.layer.len();
-        self.layer.sort_by(|a, b| a.is_dead.cmp(&b.is_dead).then(a.expected.total_cmp(&b.expected)));
+        self.layer.sort_by(|a, b| a.expected.total_cmp(&b.expected));
+        self.layer.sort_by_cached_key(|candidate| self.dead_ends.is_dead(candidate.kind));
         let most = (self.width / PLACES).max(1);
         self.in_place.clear();
         let mut left = Vec::new();
@@ -188,26 +187,28 @@ impl<'m> Beam<'m> {
         }
     }
 
+    /// How often in a row it has gone back without coming nearer.
+    fn vain_returns(&self) -> u32 {
+        if self.nearest.0 < self.before { 0 } else { self.returns }
+    }
+
     /// Whether it can go back to states that were not extended.
     fn can_return(&self) -> bool {
-        let is_nearer = self.nearest.0 < self.before;
-        (is_nearer || self.returns < RETURNS) && !self.reserve.is_empty()
+        self.vain_returns() < RETURNS && !self.reserve.is_empty()
     }
 
     /// Goes back, each time further as long as none comes nearer.
     fn go_back(&mut self) {
         self.dead_ends.learn();
-        self.returns = if self.nearest.0 < self.before { 0 } else { self.returns };
-        self.before = self.nearest.0;
-        self.reserve.truncate(self.reserve.len().saturating_sub(BACK << self.returns).max(1));
-        self.returns += 1;
+        let returns = self.vain_returns();
+        self.reserve.truncate(self.reserve.len().saturating_sub(BACK << returns).max(1));
+        (self.returns, self.before) = (returns + 1, self.nearest.0);
         self.nearest.1 = 0;
         self.soonest.clear();
         while self.next.is_empty()
             && let Some(mut layer) = self.reserve.pop()
         {
-            layer.iter_mut().for_each(|candidate| candidate.is_dead = self.dead_ends.is_dead(candidate.kind));
-            layer.retain(|candidate| !candidate.is_dead);
+            layer.retain(|candidate| !self.dead_ends.is_dead(candidate.kind));
             self.next = layer;
         }
     }
@@ -273,9 +274,10 @@ impl Strategy for Beam<'_> {
     }
 
     fn bytes(&self) -> usize {
+        let reserved: usize = self.reserve.iter().map(Vec::capacity).sum();
         self.dead_ends.bytes()
             + self.soonest.capacity() * 16
             + self.in_place.capacity() * 24
-            + (self.layer.capacity() + self.next.capacity()) * size_of::<Candidate>()
+            + (self.layer.capacity() + self.next.capacity() + reserved) * size_of::<Candidate>()
     }
 }

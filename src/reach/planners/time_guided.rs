@@ -200,7 +200,6 @@ impl Strategy for TimeGuided<'_> {
     }
 
     fn is_spent(&self) -> bool {
-        // What is held ahead is drawn anew each time.
         self.whole >= WHOLE
     }
 

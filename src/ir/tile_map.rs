@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Breakable, Slope};
+use super::{Bounds, Breakable, Slope};
 
 /// A grid of tiles. Column 0 is the leftmost, row 0 the lowest; its lower-left corner is the space's origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,6 +63,40 @@ impl<T> TileMap<T> {
     pub fn count(&self, is_counted: impl Fn(&TileKind<T>) -> bool) -> usize {
         let counted: Vec<bool> = self.kinds.iter().map(is_counted).collect();
         self.cells.iter().filter(|kind| counted.get(usize::from(**kind)).is_some_and(|is| *is)).count()
+    }
+
+    /// For each cell, whether one of some boxes is near: at most a cell and a slack in px away. By two-dimensional prefix
+    /// sums; empty if there are no boxes.
+    pub fn cells_near(&self, boxes: impl IntoIterator<Item = Bounds>, slack: f64) -> Vec<bool> {
+        let mut boxes = boxes.into_iter().peekable();
+        if boxes.peek().is_none() {
+            return Vec::new();
+        }
+        let across = self.columns + 1;
+        let mut counts = vec![0i32; across * (self.rows + 1)];
+        for Bounds { left, right, bottom, top } in boxes {
+            let range = |low: f64, high: f64, size: f64, count: usize| {
+                let first = ((low - slack) / size).floor() - 1.0;
+                let after = ((high + slack) / size).ceil() + 1.0;
+                (first.clamp(0.0, count as f64) as usize, after.clamp(0.0, count as f64) as usize)
+            };
+            let (first, after) = range(left, right, self.tile.0, self.columns);
+            let (low, high) = range(bottom, top, self.tile.1, self.rows);
+            for (row, sign) in [(low, 1), (high, -1)] {
+                counts[row * across + first] += sign;
+                counts[row * across + after] -= sign;
+            }
+        }
+        for at in 1..counts.len() {
+            if at % across != 0 {
+                counts[at] += counts[at - 1];
+            }
+        }
+        for at in across..counts.len() {
+            counts[at] += counts[at - across];
+        }
+        let cell = |at: usize| counts[at / self.columns * across + at % self.columns] > 0;
+        (0..self.columns * self.rows).map(cell).collect()
     }
 
     /// Width and height of the whole map, px.

@@ -4,7 +4,7 @@
 //! block the same body lie along all of that part, directly outside of it. Which rectangles have adjacent ones, and
 //! which tiles have adjacent rectangles, is precomputed: all others cost nothing.
 
-use crate::ir::{Bounds, Extremes, Push, Side, Slope, Solid, Space, SpaceId};
+use crate::ir::{Bounds, Extremes, Push, Side, Slope, Solid, Space, SpaceId, TagId, TileMap};
 use crate::watch::Meter;
 
 use super::collision::{Body, Kind};
@@ -39,7 +39,8 @@ struct Face {
 impl Adjacency {
     /// Those of a space with these rectangles.
     pub fn new(space: &Space, solids: &[Solid]) -> Self {
-        Adjacency { rects: with_neighbours(solids), cells: cells(space, solids) }
+        let near = |map: &TileMap<TagId>| map.cells_near(solids.iter().map(|solid| solid.bounds), TOLERANCE);
+        Adjacency { rects: with_neighbours(solids), cells: space.map.as_ref().map(near).unwrap_or_default() }
     }
 }
 
@@ -119,37 +120,6 @@ impl MaxTree {
         });
         greatest
     }
-}
-
-/// The cells of a map near rectangles, by two-dimensional prefix sums.
-fn cells(space: &Space, solids: &[Solid]) -> Vec<bool> {
-    let Some(map) = space.map.as_ref().filter(|_| !solids.is_empty()) else { return Vec::new() };
-    let across = map.columns + 1;
-    let mut counts = vec![0i32; across * (map.rows + 1)];
-    for solid in solids {
-        let range = |low: f64, high: f64, size: f64, count: usize| {
-            let first = ((low - TOLERANCE) / size).floor() - 1.0;
-            let after = ((high + TOLERANCE) / size).ceil() + 1.0;
-            (first.clamp(0.0, count as f64) as usize, after.clamp(0.0, count as f64) as usize)
-        };
-        let Bounds { left, right, bottom, top } = solid.bounds;
-        let (first, after) = range(left, right, map.tile.0, map.columns);
-        let (low, high) = range(bottom, top, map.tile.1, map.rows);
-        for (row, sign) in [(low, 1), (high, -1)] {
-            counts[row * across + first] += sign;
-            counts[row * across + after] -= sign;
-        }
-    }
-    for at in 1..counts.len() {
-        if at % across != 0 {
-            counts[at] += counts[at - 1];
-        }
-    }
-    for at in across..counts.len() {
-        counts[at] += counts[at - across];
-    }
-    let cell = |at: usize| counts[at / map.columns * across + at % map.columns] > 0;
-    (0..map.columns * map.rows).map(cell).collect()
 }
 
 impl Face {

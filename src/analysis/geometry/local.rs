@@ -40,6 +40,18 @@ struct Surface {
     is_open: [[bool; 2]; 2],
 }
 
+impl Surface {
+    /// Whether a face along an axis is covered that can be turned to an instance at some positions, which are at most
+    /// `back` px from those before the step. The half of the obstacle in which its middle was decides.
+    fn has_covered_face(&self, axis: usize, at: Interval, back: Option<f64>) -> bool {
+        let back = back.unwrap_or(f64::INFINITY);
+        let middle = self.near[axis].low.midpoint(self.near[axis].high);
+        let from = rounded(Interval { low: at.low - back, high: at.high + back });
+        let [low, high] = self.is_open[axis];
+        !low && from.high >= middle || !high && from.low <= middle
+    }
+}
+
 /// The surfaces that a kind can touch in a space.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::analysis) struct Surfaces {
@@ -69,10 +81,13 @@ impl Surfaces {
             let pushes = |m: &Option<Meeting>| m.is_some_and(|m| m.response.push == Push::Block);
             let covers = |(m, lasts): (&Option<Meeting>, &bool)| pushes(m) && *lasts;
             let blocks: Vec<bool> = meetings.iter().zip(&tiles.lasts).map(covers).collect();
-            let has_solids = solids.iter().any(|s| pushes(&world.meeting(body.tags, s.tags)));
+            let pushing = solids.iter().filter(|s| pushes(&world.meeting(body.tags, s.tags)));
+            let rects: Vec<Bounds> = pushing.map(|solid| solid.bounds).collect();
+            let beside_rect = tiles.beside(&rects);
+            // Beside a rectangle, a body in a corner can be pushed to a covered face.
             let covered = |at: usize, side: Side| {
                 let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
-                is_covered && !has_solids
+                is_covered && !beside_rect.get(at).is_some_and(|is| *is)
             };
             if tiles.spend(meter) {
                 return None;
@@ -218,12 +233,13 @@ impl Surfaces {
     }
 
     /// Boxes of positions in which an instance can be after pushes of at most `far` px when a contact query holds.
-    /// `also` holds further surfaces that push, `pushed` tells along which axes it can have been pushed.
+    /// `also` holds further surfaces that push, `pushed` tells along which axes it can have been pushed, `back` how far
+    /// it can be from where it was before the step, if that is known.
     pub fn touched(
         &self,
         touch: &Touch,
         (at, pushed): ([Interval; 2], [bool; 2]),
-        far: f64,
+        (far, back): (f64, Option<f64>),
         also: Option<&Surfaces>,
         out: &mut Vec<[Interval; 2]>,
     ) {
@@ -240,10 +256,9 @@ impl Surfaces {
         for surface in around.iter().filter(asked) {
             let within = surface.near.map(wide);
             if let Some((axis, end)) = touch.side.map(face).filter(|_| surface.is_pushing) {
-                // It is pushed at least to this edge. A covered face yields a side only in a corner, where a
-                // perpendicular face is covered, too.
-                let across = surface.is_open[1 - axis];
-                let is_corner = surface.is_solid && across != [true; 2];
+                // It is pushed at least to this edge. A covered face yields a side only in a corner, where the
+                // perpendicular face turned to where the instance was is covered, too.
+                let is_corner = surface.is_solid && surface.has_covered_face(1 - axis, at[1 - axis], back);
                 let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end] || is_corner) else {
                     continue;
                 };

@@ -4,6 +4,7 @@ use crate::ir::{Bounds, Side, Slope, SpaceId, TagId, TagSet, TileKind, TileMap, 
 use crate::watch::Meter;
 
 use crate::analysis::domain::values::Interval;
+use crate::analysis::geometry::body::TOLERANCE;
 use crate::analysis::geometry::seam::origin;
 
 /// The map of a space; empty if it has none.
@@ -11,6 +12,7 @@ pub(in crate::analysis) struct Tiles<'a> {
     map: Option<&'a TileMap<TagId>>,
     /// The numbers of the first column and of the first row.
     origin: [i64; 2],
+    wraps: bool,
     /// The tags of each kind of tile.
     pub tags: Vec<TagSet>,
     /// Whether each kind of tile is always there, in all of its cell.
@@ -29,7 +31,8 @@ impl<'a> Tiles<'a> {
         let origin = map.map_or([0; 2], |map| origin(&world.spaces[space], map));
         let lasts = kinds.clone().map(TileKind::lasts).collect();
         let slopes = kinds.clone().map(|k| k.slope).collect();
-        Tiles { map, origin, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts, slopes }
+        let wraps = world.spaces[space].wraps();
+        Tiles { map, origin, wraps, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts, slopes }
     }
 
     /// Width and height of a tile, px.
@@ -87,6 +90,16 @@ impl<'a> Tiles<'a> {
             Side::Below => self.kind(at + columns),
             Side::Above => self.kind(at.checked_sub(columns)?),
             Side::Left | Side::Right => None,
+        }
+    }
+
+    /// For each cell, whether one of some rectangles is so near that it may cover a part of a face of the tile. Across
+    /// the seam of a space that wraps, all are; empty if there are none.
+    pub fn beside(&self, rects: &[Bounds]) -> Vec<bool> {
+        let Some(map) = self.map else { return Vec::new() };
+        match self.wraps && !rects.is_empty() {
+            true => vec![true; map.cells.len()],
+            false => map.cells_near(rects.iter().copied(), TOLERANCE),
         }
     }
 

@@ -155,11 +155,14 @@ impl Surroundings {
         // A bound contact query names an instance, or a tile that can be broken.
         if !touch.bound || touch.tiles {
             let far = contacts.longest[0].greatest(contacts.longest[1]);
+            // It moves by no more than it can be pushed.
+            let is_carried = contacts.carried.iter().any(Option::is_some);
+            let back = (!is_carried).then_some(2.0 * far);
             for (space, surfaces) in contacts.surfaces.iter().filter(|(space, _)| at.spaces.contains(space)) {
                 let mut also = contacts.obstacles.iter().filter(|(of, _)| of == space).map(|(_, s)| s);
                 // What was not pushed along y touches nothing there that pushes.
                 let pushed = [true, at.trace.is_none_or(|trace| trace.pushed != [false; 2])];
-                surfaces.touched(touch, ([x, y], pushed), far, also.next(), &mut out);
+                surfaces.touched(touch, ([x, y], pushed), (far, back), also.next(), &mut out);
             }
         }
         Some(out)

@@ -9,7 +9,7 @@
 //! all places up to the next edge. This is trace partitioning (Rival and Mauborgne, *The trace partitioning abstract
 //! domain*, TOPLAS 2007) by the last event that began a fall.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ir::{Extremes, LeafId, Origin, SlotId, VarId};
 
@@ -28,11 +28,23 @@ const MAX_AGE: u32 = 1 << 12;
 /// Maximum number of cells of the spaces of a world.
 const MAX_CELLS: usize = 1 << 18;
 
-/// What is not joined: the modes, where a fall began, and the number of steps since.
-type Course = (Vec<LeafId>, Option<[bool; 2]>, Beginning, u32);
+/// What is not joined: the modes, the pushes along y, and the phase of the fall.
+type Course = (Vec<LeafId>, Option<[bool; 2]>, Phase);
+
+/// How far a fall has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Phase {
+    /// Where it began, and the number of steps since.
+    Since(Beginning, u32),
+    /// It goes on at the same velocity (its bits), and is in a row: how long it has lasted does not matter any more.
+    Steady(i64, u64),
+}
 
 /// Falls that begin this near to each other are not told apart, px.
 const ROW: f64 = 8.0;
+
+/// Maximum number of rows of a configuration.
+const MAX_ROWS: i64 = 64;
 
 /// How far below everything falls are still followed, px.
 const BELOW: f64 = 256.0;
@@ -61,11 +73,15 @@ struct Flights<'a> {
     /// All values while some leaves are active.
     known: BTreeMap<Vec<LeafId>, Configuration>,
     numbers: BTreeMap<Course, usize>,
-    /// Of each course: its parts, in order along x and apart, and whether it is queued.
-    courses: Vec<(Course, Vec<Part>, bool)>,
-    /// The courses with parts that are to be stepped: first of all those that were widened.
-    due: [VecDeque<usize>; 2],
+    /// Of each course: its parts, in order along x and apart.
+    courses: Vec<(Course, Vec<Part>)>,
+    /// The courses with parts that are to be stepped, in this order.
+    due: BTreeSet<(Turn, usize)>,
 }
+
+/// When a course is stepped: first what was widened, then the steps of falls one after the other, and last what goes on
+/// steadily, from its highest row down. So most of what is joined is there before it is stepped.
+type Turn = (bool, bool, i64);
 
 impl Analysis<'_> {
     /// The configurations of the players, told apart; takes its work from `effort`. `None` if that is not possible for any,
@@ -150,7 +166,7 @@ fn flights<'a>(
         let joined = known.get(leaves).map_or_else(|| growing.at.clone(), |known| known.or(&growing.at));
         known.insert(leaves.clone(), joined);
     }
-    let (numbers, courses, due) = (BTreeMap::new(), Vec::new(), [VecDeque::new(), VecDeque::new()]);
+    let (numbers, courses, due) = (BTreeMap::new(), Vec::new(), BTreeSet::new());
     let mut flights = Flights {
         slot,
         is_player: analysis.world.slots[slot].player.is_some(),
@@ -165,9 +181,8 @@ fn flights<'a>(
     for begin in begins {
         flights.grow(begin, None)?;
     }
-    while let Some(number) = flights.due.iter_mut().find_map(VecDeque::pop_front) {
-        let (course, parts, is_queued) = &mut flights.courses[number];
-        *is_queued = false;
+    while let Some((_, number)) = flights.due.pop_first() {
+        let (course, parts) = &mut flights.courses[number];
         let course = course.clone();
         let due = parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| part.at.clone()));
         let due: Vec<Configuration> = due.collect();
@@ -179,38 +194,39 @@ fn flights<'a>(
             flights.step((&course, number), at)?;
         }
     }
-    Some(flights.courses.into_iter().flat_map(|(_, parts, _)| parts).map(|part| part.at).collect())
+    Some(flights.courses.into_iter().flat_map(|(_, parts)| parts).map(|part| part.at).collect())
 }
 
 impl Flights<'_> {
     /// Adds the successors of a configuration of a course.
     fn step(&mut self, (course, number): (&Course, usize), at: Configuration) -> Option<()> {
         let outcome = self.stepper.run(&at)?;
-        let after = |mut next: Configuration| -> Option<(Course, Configuration)> {
-            let y = next.vars[VarId::Y][0].hull()?;
+        let after = |mut next: Configuration| -> Vec<(Course, Configuration, bool)> {
+            let (Some(y), Some(first)) = (next.vars[VarId::Y][0].hull(), beginning(&next)) else { return Vec::new() };
             let y = self.grid(&next).map_or(y, |grid| grid.snapped(1, y));
             next.set(VarId::Y, 0, Values::from(y));
             let is_undisturbed = next.trace.is_some_and(|trace| !trace.is_disturbed);
-            let (_, _, first, age) = *course;
-            let pushed = pushed(&next);
-            let of = match (is_undisturbed, stays(&at, &next)) {
+            let stays = is_undisturbed && stays(&at, &next);
+            if let Some(velocity) = steady(&at, &next).filter(|_| is_undisturbed && !stays) {
+                return in_rows(next, y, velocity);
+            }
+            let phase = match (course.2, is_undisturbed) {
+                (_, false) | (Phase::Steady(..), true) => Phase::Since(first, 0),
                 // What stays at its height does not grow older.
-                (true, true) => (next.leaves.clone(), pushed, first, age),
-                (true, false) => (next.leaves.clone(), pushed, first, age + 1),
-                (false, _) => (next.leaves.clone(), pushed, beginning(&next)?, 0),
+                (Phase::Since(first, age), true) => Phase::Since(first, age + u32::from(!stays)),
             };
-            Some((of, next))
+            vec![((next.leaves.clone(), pushed(&next), phase), next, stays)]
         };
-        let all = outcome.next.into_iter().flat_map(single).filter_map(after);
-        let (own, others): (Vec<_>, Vec<_>) = all.partition(|(of, _)| of == course);
-        for (_, next) in own {
+        let all = outcome.next.into_iter().flat_map(single).flat_map(after);
+        let (own, others): (Vec<_>, Vec<_>) = all.partition(|(of, _, stays)| *stays && of == course);
+        for (_, next, _) in own {
             for wide in self.widened(next) {
                 self.grow(wide, Some((course.clone(), true)))?;
             }
         }
         // What is wider includes it, and is stepped instead.
         let is_widened = self.courses[number].1.iter().any(|part| part.is_due && at.is_within(&part.at));
-        for (of, next) in others.into_iter().filter(|_| !is_widened) {
+        for (of, next, _) in others.into_iter().filter(|_| !is_widened) {
             self.grow(next, Some((of, false)))?;
         }
         Some(())
@@ -228,9 +244,11 @@ impl Flights<'_> {
         let hulls = VarId::XY.map(|var| found.vars[var][0].hull());
         let ([Some(x), Some(y)], Some(first)) = (hulls, beginning(&found)) else { return Some(()) };
         let [mut x, y] = self.grid(&found).map_or([x, y], |grid| [grid.snapped(0, x), grid.snapped(1, y)]);
-        let y = if of.as_ref().is_none_or(|((.., age), _)| *age == 0) { self.widened_up([x, y], &found) } else { y };
+        let begins = of.as_ref().is_none_or(|((.., phase), _)| matches!(phase, Phase::Since(_, 0)));
+        let y = if begins { self.widened_up([x, y], &found) } else { y };
         found.set(VarId::Y, 0, Values::from(y));
-        let (mut course, is_wide) = of.unwrap_or_else(|| ((found.leaves.clone(), pushed(&found), first, 0), false));
+        let new = || ((found.leaves.clone(), pushed(&found), Phase::Since(first, 0)), false);
+        let (mut course, is_wide) = of.unwrap_or_else(new);
         let is_below = self.grid(&found).is_some_and(|grid| y.high < grid.bottom() - BELOW);
         if let Some(known) = self.known.get(&found.leaves).filter(|_| is_below) {
             // Nothing is there that it could meet.
@@ -243,25 +261,29 @@ impl Flights<'_> {
             if let Some((own, known)) = ends.filter(|(own, _)| own.high < 0.0) {
                 found.set(VarId::Y, 1, Values::from(Interval { low: known.low.least(own.low), high: own.high }));
             }
-            course = (found.leaves.clone(), pushed(&found), (i64::MIN, [true; 2]), 0);
+            course = (found.leaves.clone(), pushed(&found), Phase::Since((i64::MIN, [true; 2]), 0));
         } else if !self.is_player {
             // Others need not be told apart as finely.
             x = Interval { low: x.low.floor(), high: x.high.ceil() };
         }
-        if course.3 > MAX_AGE {
+        if matches!(course.2, Phase::Since(_, MAX_AGE..)) {
             return None;
         }
         let number = match self.numbers.get(&course) {
             Some(number) => *number,
             None => {
                 self.numbers.insert(course.clone(), self.courses.len());
-                self.courses.push((course, Vec::new(), false));
+                self.courses.push((course, Vec::new()));
                 self.courses.len() - 1
             }
         };
-        let (_, parts, is_queued) = &mut self.courses[number];
-        if overlay(parts, x, &found) && !std::mem::replace(is_queued, true) {
-            self.due[usize::from(!is_wide)].push_back(number);
+        let ((.., phase), parts) = &mut self.courses[number];
+        if overlay(parts, x, &found) {
+            let turn = match *phase {
+                Phase::Since(_, age) => (!is_wide, false, i64::from(age)),
+                Phase::Steady(row, _) => (!is_wide, true, -row),
+            };
+            self.due.insert((turn, number));
         }
         Some(())
     }
@@ -332,6 +354,29 @@ fn stays(at: &Configuration, next: &Configuration) -> bool {
     let [y, later] = [at, next].map(|at| at.vars[VarId::Y][0]);
     later == y && at.vars[VarId::Y][1] == next.vars[VarId::Y][1]
         || is_still(at) && is_still(next) && later.is_within(&y)
+}
+
+/// The velocity along y at which a configuration goes on, if it is the same in the next.
+fn steady(at: &Configuration, next: &Configuration) -> Option<f64> {
+    let velocity = next.vars[VarId::Y][1].constant()?;
+    (at.vars[VarId::Y][1].constant() == Some(velocity)).then_some(velocity)
+}
+
+/// A configuration that goes on at a velocity along y, cut into rows.
+fn in_rows(at: Configuration, y: Interval, velocity: f64) -> Vec<(Course, Configuration, bool)> {
+    // The casts saturate.
+    let (first, last) = ((y.low / ROW).floor() as i64, (y.high / ROW).floor() as i64);
+    let of = |row: i64| (at.leaves.clone(), pushed(&at), Phase::Steady(row, velocity.to_bits()));
+    if last.saturating_sub(first) >= MAX_ROWS {
+        return vec![(of(i64::MAX), at, false)];
+    }
+    let part = |row: i64| {
+        let part = Interval { low: row as f64 * ROW, high: (row + 1) as f64 * ROW }.and(y)?;
+        let mut at = at.clone();
+        at.set(VarId::Y, 0, Values::from(part));
+        Some((of(row), at, false))
+    };
+    (first..=last).filter_map(part).collect()
 }
 
 /// The pushes along y of the last step, if they are known.

@@ -36,6 +36,8 @@ type Course = (Vec<LeafId>, Option<[bool; 2]>, Phase);
 enum Phase {
     /// Where it began, and the number of steps since.
     Since(Beginning, u32),
+    /// Its modes have changed since, at any time, so it is told by its row and its range of velocities.
+    Within(i64, i64),
     /// It goes on at the same velocity (its bits), and is in a row: how long it has lasted does not matter any more.
     Steady(i64, u64),
 }
@@ -43,8 +45,11 @@ enum Phase {
 /// Falls that begin this near to each other are not told apart, px.
 const ROW: f64 = 8.0;
 
-/// Maximum number of rows of a configuration.
-const MAX_ROWS: i64 = 64;
+/// Minimum size of a range of velocities, px/s.
+const SLOW: f64 = 8.0;
+/// Maximum number of pieces into which an interval is cut, and how near to a multiple is at it, as a share of the size.
+const MAX_PIECES: i64 = 64;
+const CLOSE: f64 = 1e-6;
 
 /// How far below everything falls are still followed, px.
 const BELOW: f64 = 256.0;
@@ -79,9 +84,9 @@ struct Flights<'a> {
     due: BTreeSet<(Turn, usize)>,
 }
 
-/// When a course is stepped: first what was widened, then the steps of falls one after the other, and last what goes on
-/// steadily, from its highest row down. So most of what is joined is there before it is stepped.
-type Turn = (bool, bool, i64);
+/// When a course is stepped: first what was widened, then the steps of falls one after the other, from fast to slow, and last
+/// what goes on steadily, from its highest row down. So most of what is joined is there before it is stepped.
+type Turn = (bool, u8, i64);
 
 impl Analysis<'_> {
     /// The configurations of the players, told apart; takes its work from `effort`. `None` if that is not possible for any,
@@ -201,19 +206,20 @@ impl Flights<'_> {
     /// Adds the successors of a configuration of a course.
     fn step(&mut self, (course, number): (&Course, usize), at: Configuration) -> Option<()> {
         let outcome = self.stepper.run(&at)?;
+        let step = self.stepper.step;
         let after = |mut next: Configuration| -> Vec<(Course, Configuration, bool)> {
             let (Some(y), Some(first)) = (next.vars[VarId::Y][0].hull(), beginning(&next)) else { return Vec::new() };
             let y = self.grid(&next).map_or(y, |grid| grid.snapped(1, y));
             next.set(VarId::Y, 0, Values::from(y));
             let is_undisturbed = next.trace.is_some_and(|trace| !trace.is_disturbed);
             let stays = is_undisturbed && stays(&at, &next);
-            if let Some(velocity) = steady(&at, &next).filter(|_| is_undisturbed && !stays) {
-                return in_rows(next, y, velocity);
-            }
-            let phase = match (course.2, is_undisturbed) {
-                (_, false) | (Phase::Steady(..), true) => Phase::Since(first, 0),
+            let phase = match course.2 {
                 // What stays at its height does not grow older.
-                (Phase::Since(first, age), true) => Phase::Since(first, age + u32::from(!stays)),
+                Phase::Since(first, age) if stays => Phase::Since(first, age),
+                _ if !is_undisturbed || stays => Phase::Since(first, 0),
+                _ if steady(&at, &next).is_some() => return in_rows(&next, y, step, steady(&at, &next)),
+                Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
+                _ => return in_rows(&next, y, step, None),
             };
             vec![((next.leaves.clone(), pushed(&next), phase), next, stays)]
         };
@@ -280,8 +286,9 @@ impl Flights<'_> {
         let ((.., phase), parts) = &mut self.courses[number];
         if overlay(parts, x, &found) {
             let turn = match *phase {
-                Phase::Since(_, age) => (!is_wide, false, i64::from(age)),
-                Phase::Steady(row, _) => (!is_wide, true, -row),
+                Phase::Since(_, age) => (!is_wide, 0, i64::from(age)),
+                Phase::Within(_, range) => (!is_wide, 1, -range),
+                Phase::Steady(row, _) => (!is_wide, 2, -row),
             };
             self.due.insert((turn, number));
         }
@@ -362,21 +369,44 @@ fn steady(at: &Configuration, next: &Configuration) -> Option<f64> {
     (at.vars[VarId::Y][1].constant() == Some(velocity)).then_some(velocity)
 }
 
-/// A configuration that goes on at a velocity along y, cut into rows.
-fn in_rows(at: Configuration, y: Interval, velocity: f64) -> Vec<(Course, Configuration, bool)> {
-    // The casts saturate.
-    let (first, last) = ((y.low / ROW).floor() as i64, (y.high / ROW).floor() as i64);
-    let of = |row: i64| (at.leaves.clone(), pushed(&at), Phase::Steady(row, velocity.to_bits()));
-    if last.saturating_sub(first) >= MAX_ROWS {
-        return vec![(of(i64::MAX), at, false)];
-    }
-    let part = |row: i64| {
-        let part = Interval { low: row as f64 * ROW, high: (row + 1) as f64 * ROW }.and(y)?;
-        let mut at = at.clone();
-        at.set(VarId::Y, 0, Values::from(part));
-        Some((of(row), at, false))
+/// A configuration, cut into rows; and into ranges of velocities, if it does not go on at one.
+fn in_rows(at: &Configuration, y: Interval, step: f64, steady: Option<f64>) -> Vec<(Course, Configuration, bool)> {
+    let Some(velocity) = at.vars[VarId::Y][1].hull() else { return Vec::new() };
+    // What a step changes: a range becomes the next one.
+    let acceleration = at.vars[VarId::Y][2].constant().map_or(0.0, f64::abs);
+    let change = (acceleration * step).greatest(SLOW);
+    let velocities = match steady {
+        Some(_) => vec![(0, velocity)],
+        None => cut(velocity, change),
     };
-    (first..=last).filter_map(part).collect()
+    let mut out = Vec::new();
+    for (row, y) in cut(y, ROW) {
+        for (range, velocity) in &velocities {
+            let mut at = at.clone();
+            at.set(VarId::Y, 0, Values::from(y));
+            at.set(VarId::Y, 1, Values::from(*velocity));
+            let phase = steady.map_or(Phase::Within(row, *range), |velocity| Phase::Steady(row, velocity.to_bits()));
+            out.push(((at.leaves.clone(), pushed(&at), phase), at, false));
+        }
+    }
+    out
+}
+
+/// An interval cut at all multiples of a size, with the number of each piece; whole if there would be too many. What
+/// crosses a multiple by rounding only is not cut there.
+fn cut(all: Interval, size: f64) -> Vec<(i64, Interval)> {
+    // The casts saturate.
+    let (first, last) = ((all.low / size + CLOSE).floor() as i64, (all.high / size - CLOSE).floor() as i64);
+    let pieces = last.saturating_sub(first);
+    if !(1..MAX_PIECES).contains(&pieces) {
+        return vec![(first, all)];
+    }
+    let piece = |number: i64| {
+        let low = if number == first { all.low } else { number as f64 * size };
+        let high = if number == last { all.high } else { (number + 1) as f64 * size };
+        (number, Interval { low, high })
+    };
+    (first..=last).map(piece).collect()
 }
 
 /// The pushes along y of the last step, if they are known.

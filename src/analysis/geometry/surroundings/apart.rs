@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{Extremes, SlotId, SpaceId, Touch, VarId};
+use crate::ir::{Extremes, SlotId, Touch, VarId};
 
 use crate::analysis::domain::configuration::{Configuration, Trace};
 use crate::analysis::domain::values::{Interval, Values};
@@ -11,6 +11,7 @@ use crate::analysis::geometry::body::{Pair, ROUNDING, TOLERANCE, rounded};
 use crate::analysis::geometry::grid::Grid;
 use crate::analysis::geometry::scene::Scene;
 
+use super::places::Places;
 use super::{Contacts, Motion, Surroundings, is_about, is_near, met_from};
 
 impl Surroundings {
@@ -37,7 +38,7 @@ impl Surroundings {
         let touches = &scene.program.entities[scene.world.slots[slot].entity].touches;
         let me = scene.of[slot];
         let boxes = |touch: &Touch| {
-            let mut rows: BTreeMap<(SpaceId, i64, i64), Vec<[Interval; 2]>> = BTreeMap::new();
+            let mut places = Vec::new();
             for pair in asked(scene, me, touch) {
                 let (mine, theirs) = (&scene.kinds[me].bodies[pair.mine], &scene.kinds[pair.kind].bodies[pair.theirs]);
                 let all = others.get(&pair.kind)?;
@@ -52,25 +53,10 @@ impl Surroundings {
                         Some(met_from(mine, axis, at.plus(extent[axis]), moved))
                     };
                     let (x, y) = (place(0)?, place(1)?);
-                    // The casts saturate.
-                    let row = |y: f64| (y / ROW).floor() as i64;
-                    for space in at.spaces.iter() {
-                        rows.entry((*space, row(y.low), row(y.high))).or_default().push([x, y]);
-                    }
+                    places.extend(at.spaces.iter().map(|space| (*space, [x, y])));
                 }
             }
-            let merged = |((space, ..), mut row): ((SpaceId, i64, i64), Vec<[Interval; 2]>)| {
-                row.sort_by(|a, b| a[0].low.total_cmp(&b[0].low));
-                row.dedup_by(|next, last| {
-                    let meets = next[0].low <= last[0].high;
-                    if meets {
-                        *last = [last[0].or(next[0]), last[1].or(next[1])];
-                    }
-                    meets
-                });
-                row.into_iter().map(move |place| (space, place))
-            };
-            Some(rows.into_iter().flat_map(merged).collect())
+            Some(Places::new(places))
         };
         let boxes = touches.iter().map(boxes).collect();
         let contacts = self.of[slot];
@@ -138,8 +124,6 @@ fn place(at: &mut Configuration, sides: [Interval; 2]) {
     }
 }
 
-/// Height of the rows in which places of contacts are joined, px.
-const ROW: f64 = 8.0;
 /// Speed that is below what rounding can make of it, px/s.
 const SLIGHT: f64 = 0.01;
 

@@ -4,6 +4,7 @@
 //! known position, and a contact with a blocking surface determines the position of the body.
 
 mod apart;
+mod places;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -20,8 +21,7 @@ use crate::analysis::geometry::region::{Obstacle, Region};
 use crate::analysis::geometry::scene::Scene;
 use crate::analysis::geometry::seam;
 
-/// Boxes of positions, px, with their spaces.
-type Places = Vec<(SpaceId, [Interval; 2])>;
+use places::Places;
 
 /// The possible contacts of every slot.
 #[derive(Debug, Default, Clone)]
@@ -147,8 +147,7 @@ impl Surroundings {
         let [Some(x), Some(y)] = hulls else { return Some(out) };
         let others = contacts.places_of_others.get(id.index())?;
         if let Some(Some(boxes)) = contacts.boxes_of_others.get(id.index()) {
-            let here = boxes.iter().filter(|(space, _)| at.spaces.contains(space));
-            out.extend(here.filter_map(|(_, place)| Some([place[0].and(x)?, place[1].and(y)?])));
+            at.spaces.iter().for_each(|space| boxes.within(*space, [x, y], &mut out));
         } else if let (Some(x), Some(y)) = (others[0].within(x).hull(), others[1].within(y).hull()) {
             out.push([x, y]);
         }

@@ -51,6 +51,9 @@ const SLOW: f64 = 8.0;
 const MAX_PIECES: i64 = 64;
 const CLOSE: f64 = 1e-6;
 
+/// In place of the positions that a part has along x.
+const NOWHERE: Interval = Interval::point(0.0);
+
 /// How far below everything falls are still followed, px.
 const BELOW: f64 = 256.0;
 /// To what the heights are widened at which a fall begins, px.
@@ -63,6 +66,7 @@ type Beginning = (i64, [bool; 2]);
 #[derive(Debug)]
 struct Part {
     x: Interval,
+    /// At no place along x: the parts share what else is the same.
     at: Configuration,
     /// Whether it is still to be stepped.
     is_due: bool,
@@ -189,7 +193,7 @@ fn flights<'a>(
     while let Some((_, number)) = flights.due.pop_first() {
         let (course, parts) = &mut flights.courses[number];
         let course = course.clone();
-        let due = parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| part.at.clone()));
+        let due = parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| placed(&part.at, part.x)));
         let due: Vec<Configuration> = due.collect();
         for at in due {
             *effort = effort.checked_sub(1)?;
@@ -199,7 +203,7 @@ fn flights<'a>(
             flights.step((&course, number), at)?;
         }
     }
-    Some(flights.courses.into_iter().flat_map(|(_, parts)| parts).map(|part| part.at).collect())
+    Some(flights.courses.into_iter().flat_map(|(_, parts)| parts).map(|part| placed(&part.at, part.x)).collect())
 }
 
 impl Flights<'_> {
@@ -231,7 +235,11 @@ impl Flights<'_> {
             }
         }
         // What is wider includes it, and is stepped instead.
-        let is_widened = self.courses[number].1.iter().any(|part| part.is_due && at.is_within(&part.at));
+        let is_widened = {
+            let (x, at) = (at.vars[VarId::X][0].hull(), placed(&at, NOWHERE));
+            let is_in = |part: &Part| x.is_some_and(|x| part.x.low <= x.low && x.high <= part.x.high);
+            self.courses[number].1.iter().any(|part| part.is_due && is_in(part) && at.is_within(&part.at))
+        };
         for (of, next, _) in others.into_iter().filter(|_| !is_widened) {
             self.grow(next, Some((of, false)))?;
         }
@@ -284,7 +292,7 @@ impl Flights<'_> {
             }
         };
         let ((.., phase), parts) = &mut self.courses[number];
-        if overlay(parts, x, &found) {
+        if overlay(parts, x, &placed(&found, NOWHERE)) {
             let turn = match *phase {
                 Phase::Since(_, age) => (!is_wide, 0, i64::from(age)),
                 Phase::Within(_, range) => (!is_wide, 1, -range),
@@ -441,6 +449,11 @@ fn joined(a: &Configuration, b: &Configuration) -> Configuration {
     all
 }
 
+/// Whether two configurations are the same.
+fn is_same(a: &Configuration, b: &Configuration) -> bool {
+    a.shares(b) && a.timers == b.timers && a.spaces == b.spaces && a.trace == b.trace || a == b
+}
+
 /// Joins a configuration at some places into the parts of its course, which stay apart; returns whether any is to be
 /// stepped.
 fn overlay(parts: &mut Vec<Part>, x: Interval, found: &Configuration) -> bool {
@@ -452,15 +465,15 @@ fn overlay(parts: &mut Vec<Part>, x: Interval, found: &Configuration) -> bool {
     let mut from = x.low;
     let mut is_more = false;
     for part in &parts[first..after] {
-        let left = |x: Interval| Part { x, at: placed(&part.at, x), is_due: part.is_due };
+        let left = |x: Interval| Part { x, at: part.at.clone(), is_due: part.is_due };
         if from < part.x.low {
             let x = Interval { low: from, high: part.x.low };
-            new.push(Part { x, at: placed(found, x), is_due: true });
+            new.push(Part { x, at: found.clone(), is_due: true });
             is_more = true;
         }
         let both = Interval { low: from.greatest(part.x.low), high: x.high.least(part.x.high) };
         from = part.x.high;
-        if placed(found, part.x).is_within(&part.at) {
+        if found.is_within(&part.at) {
             new.push(left(part.x));
             continue;
         }
@@ -468,14 +481,14 @@ fn overlay(parts: &mut Vec<Part>, x: Interval, found: &Configuration) -> bool {
         if part.x.low < both.low {
             new.push(left(Interval { low: part.x.low, high: both.low }));
         }
-        new.push(Part { x: both, at: joined(&placed(&part.at, both), &placed(found, both)), is_due: true });
+        new.push(Part { x: both, at: joined(&part.at, found), is_due: true });
         if both.high < part.x.high {
             new.push(left(Interval { low: both.high, high: part.x.high }));
         }
     }
     if from < x.high || first == after {
         let x = Interval { low: from, high: x.high };
-        new.push(Part { x, at: placed(found, x), is_due: true });
+        new.push(Part { x, at: found.clone(), is_due: true });
         is_more = true;
     }
     if !is_more {
@@ -488,19 +501,18 @@ fn overlay(parts: &mut Vec<Part>, x: Interval, found: &Configuration) -> bool {
     let to = all.partition_point(|part| !is_before(x.high, part.x.low)).max(at);
     all.splice(at..to, new);
     all.dedup_by(|next, last| {
-        let is_one = next.is_due == last.is_due && next.x.low <= last.x.high && placed(&next.at, last.x) == last.at;
+        let is_one = next.is_due == last.is_due && next.x.low <= last.x.high && is_same(&next.at, &last.at);
         if is_one {
             last.x = last.x.or(next.x);
-            last.at = placed(&last.at, last.x);
         }
         is_one
     });
     parts.splice(first..first, all);
     if parts.len() > MAX_PARTS
-        && let Some(all) = parts.iter().map(|part| part.at.clone()).reduce(|a, b| joined(&a, &b))
-        && let Some(x) = all.vars[VarId::X][0].hull()
+        && let Some(x) = parts.iter().map(|part| part.x).reduce(Interval::or)
+        && let Some(at) = parts.iter().map(|part| part.at.clone()).reduce(|a, b| joined(&a, &b))
     {
-        *parts = vec![Part { x, at: placed(&all, x), is_due: true }];
+        *parts = vec![Part { x, at, is_due: true }];
     }
     true
 }

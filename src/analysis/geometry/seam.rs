@@ -113,6 +113,9 @@ pub(in crate::analysis) fn wrapped<'s>(
 
 /// Brings the position of an instance between the borders of its spaces.
 pub(in crate::analysis) fn bring_in(world: &World, at: &mut Configuration) {
+    if !at.spaces.iter().any(|space| world.spaces[*space].wraps()) {
+        return;
+    }
     for axis in 0..2 {
         let var = VarId::XY[axis];
         let position = at.vars[var][0];

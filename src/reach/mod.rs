@@ -95,12 +95,12 @@ use search::{Interlude, search_asking};
 /// Number of nodes after which a search pauses for a finer analysis; an answer within them needs none.
 const QUICK_NODES: u64 = 4_000;
 
-/// Maximum number of configurations that are told apart by the courses of falls, once a search has found nothing: a few
-/// seconds of work; and where exhaustion is asked for.
+/// Maximum number of configurations that are told apart by the courses of falls, once a search has found nothing, for
+/// each node of its budget: so both cost about the same; and where exhaustion is asked for.
 #[cfg(feature = "ask")]
-const FLIGHTS: usize = 40_000;
+const FLIGHTS: u64 = 2;
 #[cfg(feature = "ask")]
-const FLIGHTS_EXHAUSTING: usize = 2_000_000;
+const FLIGHTS_EXHAUSTING: u64 = 20;
 
 /// Asks the analysis whether the target can hold at all; if so, searches for a path to it. With the planner `auto`, a
 /// search that has found nothing for a while pauses for an analysis that distinguishes players by place.
@@ -180,8 +180,8 @@ fn reach_monitored(
     #[cfg(feature = "ask")]
     {
         if is_auto && outcome.is_open() {
-            let effort = if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS };
-            let by_flight = whole.clone().by_flight(of, world, &nevers, effort, watch);
+            let effort = limits.nodes.saturating_mul(if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS });
+            let by_flight = whole.clone().by_flight(of, world, &nevers, effort as usize, watch);
             if let Some(proof) = prove(by_flight) {
                 let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
                 return Ok(Outcome { nearest: outcome.nearest, ..answer });

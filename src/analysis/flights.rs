@@ -36,7 +36,8 @@ type Course = (Vec<LeafId>, Option<[bool; 2]>, Phase);
 enum Phase {
     /// Where it began, and the number of steps since.
     Since(Beginning, u32),
-    /// Its modes have changed since, at any time, so it is told by its row and its range of velocities.
+    /// Its modes have changed since, at any time, or it began at many heights: it is told by its row and its range of
+    /// velocities.
     Within(i64, i64),
     /// It goes on at the same velocity (its bits), and is in a row: how long it has lasted does not matter any more.
     Steady(i64, u64),
@@ -45,8 +46,10 @@ enum Phase {
 /// Falls that begin this near to each other are not told apart, px.
 const ROW: f64 = 8.0;
 
+/// Maximum size of the heights from which falls begin whose steps are counted, px.
+const EXACT: f64 = 1.0;
 /// Minimum size of a range of velocities, px/s.
-const SLOW: f64 = 8.0;
+const SLOW: f64 = 4.0;
 /// Maximum number of pieces into which an interval is cut, and how near to a multiple is at it, as a share of the size.
 const MAX_PIECES: i64 = 64;
 const CLOSE: f64 = 1e-6;
@@ -193,7 +196,8 @@ fn flights<'a>(
     while let Some((_, number)) = flights.due.pop_first() {
         let (course, parts) = &mut flights.courses[number];
         let course = course.clone();
-        let due = parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| placed(&part.at, part.x)));
+        let due =
+            parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| placed(&part.at, part.x)));
         let due: Vec<Configuration> = due.collect();
         for at in due {
             *effort = effort.checked_sub(1)?;
@@ -220,7 +224,8 @@ impl Flights<'_> {
             let phase = match course.2 {
                 // What stays at its height does not grow older.
                 Phase::Since(first, age) if stays => Phase::Since(first, age),
-                _ if !is_undisturbed || stays => Phase::Since(first, 0),
+                _ if stays || !is_undisturbed && y.high - y.low <= EXACT => Phase::Since(first, 0),
+                _ if !is_undisturbed => return in_rows(&next, y, step, None),
                 _ if steady(&at, &next).is_some() => return in_rows(&next, y, step, steady(&at, &next)),
                 Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
                 _ => return in_rows(&next, y, step, None),

@@ -282,6 +282,25 @@ fn a_gap_among_enemies_is_proven() {
     assert!(is_ruled_out(&gap(20, true)));
 }
 
+/// A level with a wall of some tiles on flat ground. What stands at the left edge of the picture is no tile.
+fn wall(tiles: usize) -> String {
+    let rows = (0..14).map(|row| match row {
+        13 => "X".repeat(60),
+        row if 13 - row <= tiles => "-".repeat(30) + "XX" + &"-".repeat(28),
+        _ => "-".repeat(60),
+    });
+    rows.collect::<Vec<_>>().join("\n")
+}
+
+/// A jump rises by 82.5 px at most; where tiles meet in a wall there is nothing to stand on.
+#[test]
+fn a_wall_that_no_jump_comes_over_is_proven() {
+    for (tiles, is_too_high) in [(5, false), (6, true), (8, true)] {
+        assert_eq!(is_ruled_out(&level(&wall(tiles))), is_too_high, "{tiles}");
+    }
+    assert!(matches!(search(&level(&wall(5)), Planner::Auto, 1, 20_000), Verdict::Reached(_)));
+}
+
 /// High pillars of three tiles, eight tiles apart, after open ground with stairs: each jump begins where the last one has
 /// landed, at speed, and comes above the top of the level.
 fn pillars(count: usize) -> String {

@@ -225,10 +225,13 @@ impl Flights<'_> {
             next.set(VarId::Y, 0, Values::from(y));
             let is_undisturbed = next.trace.is_some_and(|trace| !trace.is_disturbed);
             let stays = is_undisturbed && stays(&at, &next);
+            // Where it was pushed to is one of few heights, and so is where it begins to fall from there.
+            let is_pushed = course.1 != Some([false; 2]) || pushed(&next) != Some([false; 2]);
+            let is_exact = is_pushed && y.high - y.low <= EXACT;
             let phase = match course.2 {
                 // What stays at its height does not grow older.
                 Phase::Since(first, age) if stays => Phase::Since(first, age),
-                _ if stays || !is_undisturbed && y.high - y.low <= EXACT => Phase::Since(first, 0),
+                _ if stays || !is_undisturbed && is_exact => Phase::Since(first, 0),
                 _ if !is_undisturbed => return in_rows(&next, y, step, None),
                 _ if steady(&at, &next).is_some() => return in_rows(&next, y, step, steady(&at, &next)),
                 Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
@@ -304,8 +307,8 @@ impl Flights<'_> {
         if overlay(parts, x, &placed(&found, NOWHERE)) {
             let turn = match *phase {
                 Phase::Since(_, age) => (!is_wide, 0, i64::from(age)),
-                Phase::Within(_, range) => (!is_wide, 1, -range),
-                Phase::Steady(row, _) => (!is_wide, 2, -row),
+                Phase::Within(_, range) => (!is_wide, 1, range.saturating_neg()),
+                Phase::Steady(row, _) => (!is_wide, 2, row.saturating_neg()),
             };
             self.due.insert((turn, number));
         }

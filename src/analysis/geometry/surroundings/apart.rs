@@ -124,6 +124,9 @@ fn place(at: &mut Configuration, sides: [Interval; 2]) {
     }
 }
 
+/// The velocities towards higher and towards lower coordinates, px/s.
+const UP: Interval = Interval { low: 0.0, high: f64::INFINITY };
+const DOWN: Interval = Interval { low: f64::NEG_INFINITY, high: 0.0 };
 /// Speed that is below what rounding can make of it, px/s.
 const SLIGHT: f64 = 0.01;
 
@@ -178,24 +181,28 @@ impl Contacts {
                 (Interval { low: at[axis].low, high: highest }, Interval { low: lowest, high: at[axis].high });
             let within = [up, down].map(rounded);
             let velocity = part.vars[var][1];
-            let stopped = |away: Interval, is_touching: bool| {
-                let mut after = if self.stops { Values::point(0.0) } else { Values::none() };
-                for bounce in &self.bounces {
+            let met = self.pushes(far, axis, &part);
+            let met: Vec<_> = met.into_iter().filter(|(end, edge, _)| within[*end].and(*edge).is_some()).collect();
+            let stopped = |end: usize, is_touching: bool| {
+                // Only what goes into a surface is stopped.
+                let (away, into) = if end == 0 { (UP, DOWN) } else { (DOWN, UP) };
+                // Where both sides touch something, each stops what goes into it, whichever pushes.
+                let is_between = met.iter().any(|(other, ..)| *other != end);
+                let turning = if is_between { velocity } else { velocity.within(into) };
+                let may_turn = turning.hull().is_some_and(|hull| hull != Interval::point(0.0));
+                let mut after = if self.stops && may_turn { Values::point(0.0) } else { Values::none() };
+                for bounce in self.bounces.iter().filter(|_| may_turn) {
                     let turned = |i: Interval| Interval { low: bounce.turned(i.high), high: bounce.turned(i.low) };
-                    after = after.or(&velocity.map(turned));
+                    after = after.or(&turning.map(turned));
                 }
-                // What only touches a surface is not stopped.
+                // Nor is what only touches it.
                 let keeps = is_touching || self.is_loose || !self.stops;
                 [(after, false), (if keeps { velocity } else { velocity.within(away) }, true)]
             };
-            let up = Interval { low: 0.0, high: f64::INFINITY };
-            for (end, edge, across) in self.pushes(far, axis, &part) {
-                if within[end].and(edge).is_some() {
-                    let away = if end == 0 { up } else { up.map(|x| -x) };
-                    let all = stopped(away, edge.and(at[axis]).is_some());
-                    let all = all.into_iter().filter(|(velocity, _)| !velocity.is_none());
-                    pushes[axis].extend(all.map(|(velocity, keeps)| Pushed { end, edge, across, velocity, keeps }));
-                }
+            for &(end, edge, across) in &met {
+                let all = stopped(end, edge.and(at[axis]).is_some());
+                let all = all.into_iter().filter(|(velocity, _)| !velocity.is_none());
+                pushes[axis].extend(all.map(|(velocity, keeps)| Pushed { end, edge, across, velocity, keeps }));
             }
         }
         let mut out = Vec::new();

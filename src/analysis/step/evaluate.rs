@@ -504,6 +504,13 @@ impl<'a> Reader<'a> {
             Expr::Var(Subject::Me, var, degree) => {
                 out.set(var, usize::from(degree), cut(&out.vars[var][usize::from(degree)], false));
             }
+            Expr::Call(Function::Abs, [of, ..]) => {
+                if let Expr::Var(Subject::Me, var, degree) = self.program.exprs[of] {
+                    let size = cut(&Values::from(Interval { low: 0.0, high: f64::INFINITY }), false);
+                    let either = size.or(&size.map(|i| i.map(|x| -x)));
+                    out.set(var, usize::from(degree), out.vars[var][usize::from(degree)].and(&either));
+                }
+            }
             Expr::Discrete(Subject::Me, id) => {
                 out.set_discrete(id, cut(&out.discretes[id], true));
             }

@@ -104,3 +104,43 @@ impl<T> TileMap<T> {
         (self.columns as f64 * self.tile.0, self.rows as f64 * self.tile.1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn cells_near_a_box_are_those_that_it_touches_and_their_neighbours(
+            (columns, rows) in (1..9_usize, 1..9_usize),
+            boxes in prop::collection::vec((-3..12_i32, -3..12_i32, 0..5_i32, 0..5_i32), 0..5),
+        ) {
+            let (width, height) = (16.0, 8.0);
+            let cells = vec![0; columns * rows];
+            let map = TileMap::<()> { columns, rows, tile: (width, height), kinds: Vec::new(), cells };
+            // In halves of cells.
+            let half = |size: f64, count: i32| size / 2.0 * f64::from(count);
+            let boxes: Vec<Bounds> = boxes
+                .into_iter()
+                .map(|(x, y, w, h)| Bounds {
+                    left: half(width, x),
+                    right: half(width, x + w),
+                    bottom: half(height, y),
+                    top: half(height, y + h),
+                })
+                .collect();
+            let near = map.cells_near(boxes.iter().copied(), 0.5);
+            for cell in 0..columns * rows {
+                let [x, y, ..] = map.rectangle(cell);
+                let is_near = |of: &Bounds| {
+                    let (x, y) = ((x - width - 0.5, x + 2.0 * width + 0.5), (y - height - 0.5, y + 2.0 * height + 0.5));
+                    of.left < x.1 && of.right > x.0 && of.bottom < y.1 && of.top > y.0
+                };
+                let is_near = boxes.iter().any(is_near);
+                prop_assert_eq!(near.get(cell).copied().unwrap_or(false), is_near, "cell {}", cell);
+            }
+        }
+    }
+}

@@ -15,7 +15,7 @@ use hypedc::analysis::{Configuration, ConfigurationSpace, Interval, Values, conf
 use hypedc::compile::compile;
 use hypedc::ir::{Program, SlotId, VarId, WorldId};
 
-use crate::support::{Disk, program};
+use crate::support::{Disk, compile_text, program};
 
 const X: VarId = VarId(0);
 const Y: VarId = VarId(1);
@@ -191,4 +191,39 @@ fn mario_rises_and_falls_no_faster_than_he_can() {
     }
     // The limit is reached: he falls into pits.
     assert_eq!(least, fall_limit);
+}
+
+/// A guard about the size of a velocity bounds it on both sides, or leaves a gap between them.
+#[test]
+fn a_guard_on_a_size_bounds_what_it_is_of() {
+    let text = "
+entity Hero {
+    axis horizontal
+    button jump
+    initial mode ground {
+        envelope x' by horizontal {
+            attack accel 120
+            sustain 90
+            release accel 120
+        }
+        when pressed(jump) and abs(x') < 60 -> hop
+        when pressed(jump) and abs(x') >= 60 -> leap
+    }
+    mode hop { x'' = 0 }
+    mode leap { x'' = 0 }
+}
+world W {
+    step 1/60
+    space main { place hero: Hero at (0, 0) }
+    player 1: hero
+}";
+    let program = program(compile_text(text));
+    let space = configuration_space(&program, WorldId(0));
+    let speeds = |mode: &str| -> Vec<(f64, f64)> {
+        let all = modes(&program, &space, "hero").into_iter().filter(|(name, _)| *name == mode);
+        all.flat_map(|(_, at)| at.vars[X][1].intervals().to_vec()).map(|i| (i.low, i.high)).collect()
+    };
+    assert_eq!(speeds("ground"), [(-90.0, 90.0)]);
+    assert_eq!(speeds("hop"), [(-60.0, 60.0)]);
+    assert_eq!(speeds("leap"), [(-90.0, -60.0), (60.0, 90.0)]);
 }

@@ -184,7 +184,8 @@ fn reach_monitored(
             let by_flight = whole.clone().by_flight(of, world, &nevers, effort as usize, watch);
             if let Some(proof) = prove(by_flight) {
                 let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
-                return Ok(Outcome { nearest: outcome.nearest, ..answer });
+                let nearest = outcome.nearest.map(|nearest| nearest.sampled(outcome.statistics.nodes));
+                return Ok(Outcome { nearest, ..answer });
             }
         }
         if settings.planner == Planner::Auto && settings.exhausts {

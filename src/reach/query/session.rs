@@ -420,7 +420,8 @@ impl Session {
         let hastens = settings.hold.is_none() && self.query.style.is_none() && observer.is_none();
         let settings = &Settings { hastens, ..*settings };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
-        if settings.explains && matches!(target, Target::Goal(_)) && outcome.rests_on_analysis() {
+        let is_proven = outcome.rests_on_analysis() && outcome.nearest.is_none();
+        if settings.explains && matches!(target, Target::Goal(_)) && is_proven {
             let limits = Limits { nodes: limits.nodes.min(SAMPLE_NODES), ..*limits };
             let settings = Settings { records: false, planner: Planner::Auto, ..*settings };
             let sample =

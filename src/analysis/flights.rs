@@ -219,7 +219,7 @@ impl Flights<'_> {
     fn step(&mut self, (course, number): (&Course, usize), at: Configuration) -> Option<()> {
         let outcome = self.stepper.run(&at)?;
         let step = self.stepper.step;
-        let after = |mut next: Configuration| -> Vec<(Course, Configuration, bool)> {
+        let after = |mut next: Configuration| -> Vec<(Course, Configuration)> {
             let (Some(y), Some(first)) = (next.vars[VarId::Y][0].hull(), beginning(&next)) else { return Vec::new() };
             let y = self.grid(&next).map_or(y, |grid| grid.snapped(1, y));
             next.set(VarId::Y, 0, Values::from(y));
@@ -228,31 +228,33 @@ impl Flights<'_> {
             // Where it was pushed to is one of few heights, and so is where it begins to fall from there.
             let is_pushed = course.1 != Some([false; 2]) || pushed(&next) != Some([false; 2]);
             let is_exact = is_pushed && y.high - y.low <= EXACT;
+            let steady = steady(&at, &next);
             let phase = match course.2 {
                 // What stays at its height does not grow older.
                 Phase::Since(first, age) if stays => Phase::Since(first, age),
                 _ if stays || !is_undisturbed && is_exact => Phase::Since(first, 0),
                 _ if !is_undisturbed => return in_rows(&next, y, step, None),
-                _ if steady(&at, &next).is_some() => return in_rows(&next, y, step, steady(&at, &next)),
+                _ if steady.is_some() => return in_rows(&next, y, step, steady),
                 Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
                 _ => return in_rows(&next, y, step, None),
             };
-            vec![((next.leaves.clone(), pushed(&next), phase), next, stays)]
+            vec![((next.leaves.clone(), pushed(&next), phase), next)]
         };
         let all = outcome.next.into_iter().flat_map(single).flat_map(after);
-        let (own, others): (Vec<_>, Vec<_>) = all.partition(|(of, _, stays)| *stays && of == course);
-        for (_, next, _) in own {
+        // In a row, what falls stays in its course, too.
+        let may_stay = matches!(course.2, Phase::Since(..));
+        let (own, others): (Vec<_>, Vec<_>) = all.partition(|(of, _)| may_stay && of == course);
+        for (_, next) in own {
             for wide in self.widened(next) {
                 self.grow(wide, Some((course.clone(), true)))?;
             }
         }
         // What is wider includes it, and is stepped instead.
-        let is_widened = {
-            let (x, at) = (at.vars[VarId::X][0].hull(), placed(&at, NOWHERE));
-            let is_in = |part: &Part| x.is_some_and(|x| part.x.low <= x.low && x.high <= part.x.high);
-            self.courses[number].1.iter().any(|part| part.is_due && is_in(part) && at.is_within(&part.at))
-        };
-        for (of, next, _) in others.into_iter().filter(|_| !is_widened) {
+        let x = at.vars[VarId::X][0].hull();
+        let is_in = |part: &&Part| x.is_some_and(|x| part.x.low <= x.low && x.high <= part.x.high);
+        let mut wider = self.courses[number].1.iter().filter(|part| part.is_due).filter(is_in);
+        let is_widened = wider.any(|part| placed(&at, NOWHERE).is_within(&part.at));
+        for (of, next) in others.into_iter().filter(|_| !is_widened) {
             self.grow(next, Some((of, false)))?;
         }
         Some(())
@@ -304,7 +306,8 @@ impl Flights<'_> {
             }
         };
         let ((.., phase), parts) = &mut self.courses[number];
-        if overlay(parts, x, &placed(&found, NOWHERE)) {
+        found.set(VarId::X, 0, Values::from(NOWHERE));
+        if overlay(parts, x, &found) {
             let turn = match *phase {
                 Phase::Since(_, age) => (!is_wide, 0, i64::from(age)),
                 Phase::Within(_, range) => (!is_wide, 1, range.saturating_neg()),
@@ -390,7 +393,7 @@ fn steady(at: &Configuration, next: &Configuration) -> Option<f64> {
 }
 
 /// A configuration, cut into rows; and into ranges of velocities, if it does not go on at one.
-fn in_rows(at: &Configuration, y: Interval, step: f64, steady: Option<f64>) -> Vec<(Course, Configuration, bool)> {
+fn in_rows(at: &Configuration, y: Interval, step: f64, steady: Option<f64>) -> Vec<(Course, Configuration)> {
     let Some(velocity) = at.vars[VarId::Y][1].hull() else { return Vec::new() };
     // What a step changes: a range becomes the next one.
     let acceleration = at.vars[VarId::Y][2].constant().map_or(0.0, f64::abs);
@@ -406,7 +409,7 @@ fn in_rows(at: &Configuration, y: Interval, step: f64, steady: Option<f64>) -> V
             at.set(VarId::Y, 0, Values::from(y));
             at.set(VarId::Y, 1, Values::from(*velocity));
             let phase = steady.map_or(Phase::Within(row, *range), |velocity| Phase::Steady(row, velocity.to_bits()));
-            out.push(((at.leaves.clone(), pushed(&at), phase), at, false));
+            out.push(((at.leaves.clone(), pushed(&at), phase), at));
         }
     }
     out

@@ -233,6 +233,12 @@ impl Values {
         Values::any(self.intervals().iter().flat_map(|a| other.intervals().iter().filter_map(|b| a.and(*b))))
     }
 
+    /// The numbers and their negatives.
+    #[must_use]
+    pub fn mirrored(&self) -> Values {
+        self.or(&self.map(|i| i.map(|x| -x)))
+    }
+
     /// The intersection with an interval.
     #[must_use]
     pub fn within(&self, interval: Interval) -> Values {

@@ -81,17 +81,15 @@ impl Surfaces {
             let pushes = |m: &Option<Meeting>| m.is_some_and(|m| m.response.push == Push::Block);
             let covers = |(m, lasts): (&Option<Meeting>, &bool)| pushes(m) && *lasts;
             let blocks: Vec<bool> = meetings.iter().zip(&tiles.lasts).map(covers).collect();
-            let pushing = solids.iter().filter(|s| pushes(&world.meeting(body.tags, s.tags)));
-            let rects: Vec<Bounds> = pushing.map(|solid| solid.bounds).collect();
-            let beside_rect = tiles.beside(&rects);
-            // Beside a rectangle, a body in a corner can be pushed to a covered face.
-            let covered = |at: usize, side: Side| {
-                let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
-                is_covered && !beside_rect.get(at).is_some_and(|is| *is)
-            };
             if tiles.spend(meter) {
                 return None;
             }
+            // Beside a rectangle, a body in a corner can be pushed to a covered face.
+            let is_beside_rect = tiles.beside_rect(|tags| pushes(&world.meeting(body.tags, tags)));
+            let covered = |at: usize, side: Side| {
+                let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
+                is_covered && !is_beside_rect(at)
+            };
             for at in 0..tiles.count().0 * tiles.count().1 {
                 let Some(kind) = tiles.kind(at) else { continue };
                 let Some(meeting) = meetings[kind] else { continue };

@@ -1,6 +1,6 @@
 //! The tiles of a space as the analysis models them: tags, rows, columns and boxes of each kind of tile.
 
-use crate::ir::{Bounds, Side, Slope, SpaceId, TagId, TagSet, TileKind, TileMap, World};
+use crate::ir::{Bounds, Side, Slope, Solid, SpaceId, TagId, TagSet, TileKind, TileMap, World};
 use crate::watch::Meter;
 
 use crate::analysis::domain::values::Interval;
@@ -13,6 +13,8 @@ pub(in crate::analysis) struct Tiles<'a> {
     /// The numbers of the first column and of the first row.
     origin: [i64; 2],
     wraps: bool,
+    /// The rectangles of the space.
+    solids: &'a [Solid],
     /// The tags of each kind of tile.
     pub tags: Vec<TagSet>,
     /// Whether each kind of tile is always there, in all of its cell.
@@ -31,8 +33,16 @@ impl<'a> Tiles<'a> {
         let origin = map.map_or([0; 2], |map| origin(&world.spaces[space], map));
         let lasts = kinds.clone().map(TileKind::lasts).collect();
         let slopes = kinds.clone().map(|k| k.slope).collect();
-        let wraps = world.spaces[space].wraps();
-        Tiles { map, origin, wraps, tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(), lasts, slopes }
+        let (wraps, solids) = (world.spaces[space].wraps(), &*world.spaces[space].solids);
+        Tiles {
+            map,
+            origin,
+            wraps,
+            solids,
+            tags: kinds.map(|k| k.tags.iter().copied().collect()).collect(),
+            lasts,
+            slopes,
+        }
     }
 
     /// Width and height of a tile, px.
@@ -93,14 +103,16 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    /// For each cell, whether one of some rectangles is so near that it may cover a part of a face of the tile. Across
-    /// the seam of a space that wraps, all are; empty if there are none.
-    pub fn beside(&self, rects: &[Bounds]) -> Vec<bool> {
-        let Some(map) = self.map else { return Vec::new() };
-        match self.wraps && !rects.is_empty() {
-            true => vec![true; map.cells.len()],
-            false => map.cells_near(rects.iter().copied(), TOLERANCE),
-        }
+    /// Whether a rectangle with some tags is so near to a cell that it may cover a part of a face of the tile. Across the
+    /// seam of a space that wraps, any is.
+    pub fn beside_rect(&self, is_met: impl Fn(TagSet) -> bool) -> impl Fn(usize) -> bool {
+        let rects: Vec<Bounds> = self.solids.iter().filter(|s| is_met(s.tags)).map(|s| s.bounds).collect();
+        let is_near = match self.map {
+            Some(map) if !self.wraps => map.cells_near(rects.iter().copied(), TOLERANCE),
+            _ => Vec::new(),
+        };
+        let is_anywhere = self.wraps && !rects.is_empty();
+        move |at| is_anywhere || is_near.get(at).is_some_and(|is| *is)
     }
 
     /// The columns and rows that contain a selected cell; incomplete if the meter runs out.

@@ -224,7 +224,6 @@ impl Stepper<'_> {
         }
         let Some(&var) = envelope.vars.get(component) else { return Values::all() };
         let current = at.vars[var][usize::from(envelope.degree)];
-        let mirrored = |values: &Values| values.or(&values.map(|i| i.map(|x| -x)));
         let has_player = self.reader.world.slots[self.slot].player.is_some();
         let may_drive = has_player && envelope.guard.is_none_or(|g| reader.truth(g).can_hold);
         let mut out = Values::none();
@@ -233,8 +232,8 @@ impl Stepper<'_> {
             let target = match envelope.by {
                 By::Button(_) if component == 0 => levels,
                 By::Button(_) => Values::point(0.0),
-                By::Axis(_) => mirrored(&levels),
-                _ => Values::any(mirrored(&levels).hull())
+                By::Axis(_) => levels.mirrored(),
+                _ => Values::any(levels.mirrored().hull())
                     .or(&Values::point(0.0))
                     .hull()
                     .map_or(Values::none(), Values::from),
@@ -246,7 +245,7 @@ impl Stepper<'_> {
         match &envelope.release {
             Release::Hold => out.or(&current),
             Release::To { rate, .. } => {
-                let target = mirrored(&level).or(&Values::point(0.0));
+                let target = level.mirrored().or(&Values::point(0.0));
                 // A vector approaches a level along its own direction.
                 let target = match envelope.vars.len() {
                     1 => target,

@@ -5,7 +5,7 @@ use crate::ir::{CompareOp, Expr, ExprId, IdVec, Program, SlotId, Subject, World}
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::Values;
-use crate::analysis::step::evaluate::restrict_by;
+use crate::analysis::step::refine::restrict_by;
 
 /// Predicates of a world that hold in no state.
 #[derive(Debug, Clone, Copy)]

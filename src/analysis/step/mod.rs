@@ -6,6 +6,7 @@ pub(in crate::analysis) mod flow;
 pub(in crate::analysis) mod forbidden;
 mod members;
 mod probe;
+pub(in crate::analysis) mod refine;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

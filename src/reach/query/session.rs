@@ -420,8 +420,9 @@ impl Session {
         let hastens = settings.hold.is_none() && self.query.style.is_none() && observer.is_none();
         let settings = &Settings { hastens, ..*settings };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
-        let is_proven = outcome.rests_on_analysis() && outcome.nearest.is_none();
-        if settings.explains && matches!(target, Target::Goal(_)) && is_proven {
+        // If a search came before the proof, what it came nearest to is known.
+        let is_unexplained = outcome.rests_on_analysis() && outcome.nearest.is_none();
+        if settings.explains && matches!(target, Target::Goal(_)) && is_unexplained {
             let limits = Limits { nodes: limits.nodes.min(SAMPLE_NODES), ..*limits };
             let settings = Settings { records: false, planner: Planner::Auto, ..*settings };
             let sample =

@@ -84,9 +84,7 @@ impl Scene<'_> {
                 out.faces[axis][end].push(at);
             }
         }
-        let rects = self.world.spaces[space].solids.iter().filter(|s| pushing(s.tags).is_some());
-        let rects: Vec<Bounds> = rects.map(|solid| solid.bounds).collect();
-        let beside_rect = tiles.beside(&rects);
+        let is_beside_rect = tiles.beside_rect(|tags| pushing(tags).is_some());
         let meetings: Vec<Option<Meeting>> = tiles.tags.iter().map(|t| pushing(*t)).collect();
         let covers =
             |(m, lasts): (&Option<Meeting>, &bool)| m.is_some_and(|m| m.response.push == Push::Block) && *lasts;
@@ -105,7 +103,6 @@ impl Scene<'_> {
                 // A one-way obstacle pushes even if it is covered. Beside a rectangle, a body in a corner can be pushed
                 // to a covered face.
                 let covers = |at| tiles.neighbour(at, side).is_some_and(|k| blocks[k]);
-                let is_beside_rect = |at: usize| beside_rect.get(at).is_some_and(|is| *is);
                 let covered = |at| meeting.response.push == Push::Block && !is_beside_rect(at) && covers(at);
                 let open = tiles.lines(|at| tiles.kind(at) == Some(kind) && !covered(at), &self.meter);
                 for (lines, edges) in [(all, &mut out.edges), (open, &mut out.faces)] {

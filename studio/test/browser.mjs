@@ -102,3 +102,7 @@ export async function until(page, condition, timeout = 20_000) {
     await new Promise((done) => setTimeout(done, 10));
   }
 }
+
+/** Waits until a game stands still: it is paused, and the last steps that it asked for are shown. */
+export const stopped = (page) =>
+  until(page, "globalThis.studio.game.mode === 'paused' && globalThis.studio.game.asking === null");

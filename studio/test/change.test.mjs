@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { browser, game, play, playing, root, until } from "./browser.mjs";
+import { browser, game, play, playing, root, stopped, until } from "./browser.mjs";
 
 let chromium;
 before(async () => {
@@ -37,7 +37,7 @@ test("the state goes on after a change, and the choice is remembered", async (t)
   await page.keyboard.up("ArrowRight");
   await page.keyboard.press("KeyP");
   // The last step may be under way still.
-  await until(page, "globalThis.studio.game.mode === 'paused' && globalThis.studio.game.asking === null");
+  await stopped(page);
   const bodies = await game(page, "frame.bodies");
   await edited(page, "run_speed = 100", "run_speed = 160");
   await until(page, "globalThis.studio.game.isCarried");

@@ -8,7 +8,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-import { PATIENCE, browser, freshPage, game, hypedc, open, play, playing, root, until } from "./browser.mjs";
+import { PATIENCE, browser, freshPage, game, hypedc, open, play, playing, root, stopped, until } from "./browser.mjs";
 
 const axe = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 let chromium;
@@ -104,7 +104,7 @@ test("keys give the steps of `hypedc sim`, to the bit", async (t) => {
     });
   }
   await page.keyboard.press("KeyP");
-  await until(page, "globalThis.studio.game.mode === 'paused'");
+  await stopped(page);
   const script = await page.evaluate("globalThis.studio.game.script()");
   const length = await game(page, "length");
   const folder = await mkdtemp(join(tmpdir(), "studio-"));
@@ -145,7 +145,7 @@ test("one scrubs back, takes over, and takes that back", async (t) => {
   await page.keyboard.up("ArrowRight");
   await page.keyboard.press("KeyP");
   // The last step may be under way still.
-  await until(page, "globalThis.studio.game.mode === 'paused' && globalThis.studio.game.asking === null");
+  await stopped(page);
   const length = await game(page, "length");
   const slider = page.getByLabel("Frame", { exact: true });
   await slider.fill("20");
@@ -397,7 +397,7 @@ test("everything is reached by the keyboard", async (t) => {
   await until(page, "globalThis.studio.game.mode === 'replay'");
   await to("Pause");
   await page.keyboard.press("Space");
-  await until(page, "globalThis.studio.game.mode === 'paused'");
+  await stopped(page);
   await to("Frame");
   const at = await game(page, "frame.at");
   await page.keyboard.press("ArrowLeft");

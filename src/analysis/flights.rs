@@ -29,6 +29,7 @@ use crate::analysis::step::evaluate::Reader;
 const MAX_PARTS: usize = 256;
 /// Maximum number of steps of a fall.
 const MAX_AGE: u32 = 1 << 12;
+const MAX_TURNS: u32 = 64;
 /// Maximum number of cells of the spaces of a world.
 const MAX_CELLS: usize = 1 << 18;
 
@@ -40,6 +41,9 @@ type Course = (Vec<LeafId>, Option<[bool; 2]>, Phase);
 enum Phase {
     /// Where it began, and the number of steps since.
     Since(Beginning, u32),
+    /// Its modes have changed once since, from one height at one velocity: where it began, after how many steps they
+    /// changed, and the number of steps since.
+    Turned(Beginning, u32, u32),
     /// Its modes have changed since, at any time, or it began at many heights: it is told by its row and its range of
     /// velocities.
     Within(i64, i64),
@@ -57,6 +61,9 @@ const SLOW: f64 = 4.0;
 /// Maximum number of pieces into which an interval is cut, and how near to a multiple is at it, as a share of the size.
 const MAX_PIECES: i64 = 64;
 const CLOSE: f64 = 1e-6;
+
+/// After how many steps along a run it is widened to all of it.
+const PATIENCE: u32 = 16;
 
 /// In place of the positions that a part has along x.
 const NOWHERE: Interval = Interval::point(0.0);
@@ -89,6 +96,8 @@ struct Flights<'a> {
     /// All values while some leaves are active.
     known: BTreeMap<Vec<LeafId>, Configuration>,
     numbers: BTreeMap<Course, usize>,
+    /// How often what stays on a run of a course, by where that begins, has moved on along it.
+    grown: BTreeMap<(usize, u64), u32>,
     /// Of each course: its parts, in order along x and apart.
     courses: Vec<(Course, Vec<Part>)>,
     /// The courses with parts that are to be stepped, in this order.
@@ -123,14 +132,25 @@ impl Analysis<'_> {
             if live.iter().any(|slot| !self.begins_once(*slot)) {
                 continue;
             }
-            if let Some(found) = self.flown(kind, &live, &others, effort) {
-                others.insert(kind, found.into_iter().flatten().collect());
+            // Those that differ only in where they begin are one.
+            let is_like = |a: SlotId, b: SlotId| {
+                let is_from_tile = |slot: SlotId| self.world.slots[slot].origin == Origin::Tile;
+                let [one, other] = [a, b].map(|slot| &self.overall[slot]);
+                is_from_tile(a) && is_from_tile(b) && one.params == other.params && one.spaces == other.spaces
+            };
+            let mut groups: Vec<Vec<SlotId>> = Vec::new();
+            for slot in live {
+                match groups.iter_mut().find(|group| is_like(group[0], slot)) {
+                    Some(group) => group.push(slot),
+                    None => groups.push(vec![slot]),
+                }
             }
+            let found: Option<Vec<_>> = groups.iter().map(|group| self.flown(kind, group, &others, effort)).collect();
+            others.extend(found.map(|found| (kind, found.concat())));
         }
         let mut out = Vec::new();
         for slot in players {
-            let found = self.flown(self.scene.of[slot], &[slot], &others, effort)?;
-            out.extend(found.into_iter().map(|found| (slot, found)));
+            out.push((slot, self.flown(self.scene.of[slot], &[slot], &others, effort)?));
         }
         Some(out)
     }
@@ -143,46 +163,44 @@ impl Analysis<'_> {
             && (begun.origin == Origin::Named || (begun.origin == Origin::Tile && !is_spawned))
     }
 
-    /// The configurations of each of some slots of a kind, told apart, among others that are.
+    /// The configurations of some slots of a kind, which differ only in where they begin, told apart, among others that
+    /// are.
     fn flown(
         &mut self,
         kind: usize,
         slots: &[SlotId],
         others: &BTreeMap<usize, Vec<Configuration>>,
         effort: &mut usize,
-    ) -> Option<Vec<Vec<Configuration>>> {
+    ) -> Option<Vec<Configuration>> {
         let grids = self.scene.grids(kind, MAX_CELLS)?;
         let mut surroundings = Surroundings::new(&mut self.scene, &self.overall);
-        let mut out = Vec::new();
-        for slot in slots {
-            if !surroundings.can_tell_apart(*slot) {
-                return None;
-            }
-            surroundings.tell_others(&self.scene, *slot, others);
-            let begins = self.begins(*slot);
-            out.push(flights(self, &surroundings, *slot, (&grids, begins), effort)?);
+        if !slots.iter().all(|slot| surroundings.can_tell_apart(*slot)) {
+            return None;
         }
-        Some(out)
+        surroundings.tell_others(&self.scene, slots[0], others);
+        let begins = slots.iter().flat_map(|slot| self.begins(*slot)).collect();
+        flights(self, &surroundings, slots, (&grids, begins), effort)
     }
 }
 
-/// The configurations of a slot, told apart; takes its work from `effort`. `None` if there is not enough of it, or if the
-/// watch stops it.
+/// The configurations of some slots that differ only in where they begin, told apart; takes its work from `effort`.
+/// `None` if there is not enough of it, or if the watch stops it.
 fn flights<'a>(
     analysis: &'a Analysis<'a>,
     surroundings: &'a Surroundings,
-    slot: SlotId,
+    slots: &[SlotId],
     (grids, begins): (&'a [Grid], Vec<Configuration>),
     effort: &mut usize,
 ) -> Option<Vec<Configuration>> {
+    let slot = slots[0];
     let stepper = analysis.stepper(slot);
     let stepper = Stepper { reader: Reader { surroundings, ..stepper.reader }, grids: Some(grids), ..stepper };
     let mut known: BTreeMap<Vec<LeafId>, Configuration> = BTreeMap::new();
-    for ((leaves, _), growing) in &analysis.slots[slot].configurations {
+    for ((leaves, _), growing) in slots.iter().flat_map(|slot| &analysis.slots[*slot].configurations) {
         let joined = known.get(leaves).map_or_else(|| growing.at.clone(), |known| known.or(&growing.at));
         known.insert(leaves.clone(), joined);
     }
-    let (numbers, courses, due) = (BTreeMap::new(), Vec::new(), BTreeSet::new());
+    let (numbers, grown, courses, due) = (BTreeMap::new(), BTreeMap::new(), Vec::new(), BTreeSet::new());
     let mut flights = Flights {
         slot,
         is_player: analysis.world.slots[slot].player.is_some(),
@@ -191,6 +209,7 @@ fn flights<'a>(
         grids,
         known,
         numbers,
+        grown,
         courses,
         due,
     };
@@ -218,7 +237,7 @@ impl Flights<'_> {
     /// Adds the successors of a configuration of a course.
     fn step(&mut self, (course, number): (&Course, usize), at: Configuration) -> Option<()> {
         let outcome = self.stepper.run(&at)?;
-        let step = self.stepper.step;
+        let (step, is_player) = (self.stepper.step, self.is_player);
         let after = |mut next: Configuration| -> Vec<(Course, Configuration)> {
             let (Some(y), Some(first)) = (next.vars[VarId::Y][0].hull(), beginning(&next)) else { return Vec::new() };
             let y = self.grid(&next).map_or(y, |grid| grid.snapped(1, y));
@@ -236,6 +255,10 @@ impl Flights<'_> {
                 _ if !is_undisturbed => return in_rows(&next, y, step, None),
                 _ if steady.is_some() => return in_rows(&next, y, step, steady),
                 Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
+                Phase::Turned(first, turn, age) if next.leaves == at.leaves => Phase::Turned(first, turn, age + 1),
+                Phase::Since(first, age) if is_player && is_thin(&next) && age < MAX_TURNS => {
+                    Phase::Turned(first, age, 0)
+                }
                 _ => return in_rows(&next, y, step, None),
             };
             vec![((next.leaves.clone(), pushed(&next), phase), next)]
@@ -245,7 +268,7 @@ impl Flights<'_> {
         let may_stay = matches!(course.2, Phase::Since(..));
         let (own, others): (Vec<_>, Vec<_>) = all.partition(|(of, _)| may_stay && of == course);
         for (_, next) in own {
-            for wide in self.widened(next) {
+            for wide in self.widened(number, next) {
                 self.grow(wide, Some((course.clone(), true)))?;
             }
         }
@@ -294,7 +317,7 @@ impl Flights<'_> {
             // Others need not be told apart as finely.
             x = Interval { low: x.low.floor(), high: x.high.ceil() };
         }
-        if matches!(course.2, Phase::Since(_, MAX_AGE..)) {
+        if matches!(course.2, Phase::Since(_, MAX_AGE..) | Phase::Turned(_, _, MAX_AGE..)) {
             return None;
         }
         let number = match self.numbers.get(&course) {
@@ -310,6 +333,7 @@ impl Flights<'_> {
         if overlay(parts, x, &found) {
             let turn = match *phase {
                 Phase::Since(_, age) => (!is_wide, 0, i64::from(age)),
+                Phase::Turned(_, turn, age) => (!is_wide, 0, i64::from(turn) + i64::from(age)),
                 Phase::Within(_, range) => (!is_wide, 1, range.saturating_neg()),
                 Phase::Steady(row, _) => (!is_wide, 2, row.saturating_neg()),
             };
@@ -334,9 +358,10 @@ impl Flights<'_> {
 
     /// All that a configuration may become that neither rises nor falls: at any place up to the next edge, with any values
     /// of its modes.
-    fn widened(&self, found: Configuration) -> Vec<Configuration> {
+    fn widened(&mut self, number: usize, found: Configuration) -> Vec<Configuration> {
         let hulls = VarId::XY.map(|var| found.vars[var][0].hull());
         let (Some(grid), [Some(x), Some(y)]) = (self.grid(&found), hulls) else { return vec![found] };
+        let runs = grid.runs([x, y]);
         let mut wide = found.clone();
         if let Some(known) = self.known.get(&found.leaves) {
             for (var, values) in known.vars.pairs().filter(|(var, _)| *var != VarId::Y) {
@@ -347,10 +372,15 @@ impl Flights<'_> {
             known.discretes.pairs().for_each(|(id, values)| wide.set_discrete(id, values.or(&found.discretes[id])));
             wide.timers = known.timers.iter().zip(found.timers.iter()).map(|(a, b)| a.or(*b)).collect();
         }
-        let runs = grid.runs([x, y]).into_iter();
+        let runs = runs.into_iter();
         runs.map(|(run, part)| {
             // What only touches the next run is not on it.
-            let is_there = part.high - part.low > 4.0 * THIN;
+            let mut is_there = part.high - part.low > 4.0 * THIN;
+            if is_there {
+                let grown = self.grown.entry((number, run.low.to_bits())).or_default();
+                *grown += 1;
+                is_there = *grown > PATIENCE;
+            }
             let mut at = if is_there { wide.clone() } else { found.clone() };
             at.set(VarId::X, 0, Values::from(if is_there { run.or(part) } else { part }));
             at
@@ -376,6 +406,12 @@ fn single(at: Configuration) -> Vec<Configuration> {
         }
     }
     out
+}
+
+/// Whether a configuration is at one height and has one velocity along y, up to rounding.
+fn is_thin(at: &Configuration) -> bool {
+    let is = |degree: usize| at.vars[VarId::Y][degree].hull().is_some_and(|hull| hull.high - hull.low <= EXACT);
+    is(0) && is(1)
 }
 
 /// Whether a configuration neither rises nor falls on the way to the next.

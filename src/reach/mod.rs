@@ -95,8 +95,8 @@ use search::{Interlude, search_asking};
 /// Number of nodes after which a search pauses for a finer analysis; an answer within them needs none.
 const QUICK_NODES: u64 = 4_000;
 
-/// Maximum number of configurations that are told apart by the courses of falls, once a search has found nothing, for
-/// each node of its budget: so both cost about the same; and where exhaustion is asked for.
+/// Maximum number of configurations that are told apart by the courses of falls, while a search has found nothing, for
+/// each of its nodes: so both cost about the same; and where exhaustion is asked for.
 #[cfg(feature = "ask")]
 const FLIGHTS: u64 = 2;
 #[cfg(feature = "ask")]
@@ -165,32 +165,33 @@ fn reach_monitored(
         }
         Some(proof)
     };
+    // The engine of the page has no room for more.
+    #[cfg(feature = "ask")]
+    let proof_by_flight = |nodes: u64| -> Option<Proof> {
+        let effort = nodes.saturating_mul(if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS });
+        prove(whole.clone().by_flight(of, world, &nevers, effort as usize, watch))
+    };
+    #[cfg(not(feature = "ask"))]
+    let proof_by_flight = |_: u64| -> Option<Proof> { None };
     let mut proof = None;
     let mut closer_proof = || -> bool {
-        proof = prove(whole.clone().by_place(of, world, &nevers, watch));
+        proof = prove(whole.clone().by_place(of, world, &nevers, watch)).or_else(|| proof_by_flight(QUICK_NODES));
         proof.is_some()
     };
     let is_auto = settings.planner == Planner::Auto && limits.nodes > QUICK_NODES;
     let interlude = is_auto.then_some(Interlude { nodes: QUICK_NODES, ends: &mut closer_proof });
     let outcome = search_asking(problem, space, settings, limits, watch, interlude)?;
-    if let Some(proof) = proof {
-        return Ok(Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis"));
+    if is_auto && proof.is_none() && outcome.is_open() {
+        proof = proof_by_flight(limits.nodes);
     }
-    // The engine of the page has no room for more.
+    if let Some(proof) = proof {
+        let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
+        let nearest = outcome.nearest.map(|nearest| nearest.sampled(outcome.statistics.nodes));
+        return Ok(Outcome { nearest, ..answer });
+    }
     #[cfg(feature = "ask")]
-    {
-        if is_auto && outcome.is_open() {
-            let effort = limits.nodes.saturating_mul(if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS });
-            let by_flight = whole.clone().by_flight(of, world, &nevers, effort as usize, watch);
-            if let Some(proof) = prove(by_flight) {
-                let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");
-                let nearest = outcome.nearest.map(|nearest| nearest.sampled(outcome.statistics.nodes));
-                return Ok(Outcome { nearest, ..answer });
-            }
-        }
-        if settings.planner == Planner::Auto && settings.exhausts {
-            return exact::conclude(problem, outcome, settings, limits, watch);
-        }
+    if settings.planner == Planner::Auto && settings.exhausts {
+        return exact::conclude(problem, outcome, settings, limits, watch);
     }
     Ok(outcome)
 }

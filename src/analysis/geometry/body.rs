@@ -33,6 +33,8 @@ pub(in crate::analysis) struct Body {
     pub kinematic: bool,
     /// Its box, if it is constant.
     pub extent: Option<Extent>,
+    /// Whether it is a circle within that box.
+    pub is_round: bool,
     /// When it is active; `None` if that depends on more than modes.
     pub presence: Option<Presence>,
     /// Whether it can be active in any of the leaves known to be possible.

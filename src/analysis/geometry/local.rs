@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::ir::{LeafId, Push, SpaceId, TagSet, Touch};
+use crate::ir::{Extremes, LeafId, Push, SpaceId, TagSet, Touch};
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::body::{Body, Edges, Kind, along, edge_at, face, near, rounded, sides_of};
@@ -15,6 +15,8 @@ use crate::watch::Meter;
 
 /// Maximum number of surfaces.
 const MAX_SURFACES: usize = 1 << 14;
+/// More than rounding and the tolerance for touching can make, px.
+const SLACK: f64 = 0.01;
 /// The size of a bucket of the surface index, px.
 const BUCKET: f64 = 32.0;
 /// Above this number of buckets under a box, all surfaces are examined.
@@ -38,9 +40,69 @@ struct Surface {
     edges: [[Option<f64>; 2]; 2],
     /// Whether each face is open: no neighbour covers it.
     is_open: [[bool; 2]; 2],
+    /// Whether each face is bare: no neighbour can ever cover it.
+    is_bare: [[bool; 2]; 2],
+    /// Whether it is always there.
+    lasts: bool,
+}
+
+/// What covers a face of an obstacle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Face {
+    /// A neighbour that is always there.
+    Covered,
+    /// A neighbour may.
+    Open,
+    /// Nothing can.
+    Bare,
 }
 
 impl Surface {
+    /// An obstacle as a collider, with its number, touches it; `None` if that is not constant.
+    fn new(
+        (number, body): (usize, &Body),
+        tags: TagSet,
+        meeting: Meeting,
+        bounds: Bounds,
+        covered: impl Fn(Side) -> Face,
+    ) -> Option<Surface> {
+        let (extent, sides) = (body.extent?, along(bounds));
+        let is_pushing = meeting.response.push != Push::Sense && !body.kinematic;
+        let mut surface = Surface {
+            near: [0, 1].map(|axis| near(Some(extent), axis, sides[axis])),
+            tags,
+            mine: body.tags,
+            body: number,
+            is_pushing,
+            is_solid: meeting.response.push == Push::Block,
+            edges: [[None; 2]; 2],
+            is_open: [[false; 2]; 2],
+            is_bare: [[false; 2]; 2],
+            lasts: false,
+        };
+        for side in sides_of(meeting).filter(|_| is_pushing) {
+            let (axis, end) = face(side);
+            surface.edges[axis][end] = Some(edge_at(extent, axis, end, sides[axis]));
+            surface.is_open[axis][end] = covered(side) != Face::Covered;
+            surface.is_bare[axis][end] = covered(side) == Face::Bare;
+        }
+        Some(surface)
+    }
+
+    /// The positions along an axis at which a collider is pushed along the other axis, that it is at least `depth` px deep
+    /// along, after a move of at most `far` px: not where it is less deep along this one, from a face that nothing covers.
+    fn across(&self, axis: usize, depth: f64, far: f64) -> Interval {
+        let near = self.near[axis];
+        let depth = depth - SLACK;
+        let is_beside = near.high - near.low > 2.0 * (far + depth);
+        if !self.is_solid || depth <= 0.0 || !is_beside {
+            return near;
+        }
+        // By the high side of the collider at the low end.
+        let [high, low] = self.is_bare[axis].map(|is_bare| if is_bare { depth } else { 0.0 });
+        Interval { low: near.low + low, high: near.high - high }
+    }
+
     /// Whether a face along an axis is covered that can be turned to an instance at some positions, which are at most
     /// `back` px from those before the step. The half of the obstacle in which its middle was decides.
     fn has_covered_face(&self, axis: usize, at: Interval, back: Option<f64>) -> bool {
@@ -58,6 +120,8 @@ pub(in crate::analysis) struct Surfaces {
     all: Vec<Surface>,
     /// When each collider is active.
     presences: Vec<Presence>,
+    /// The size of each collider, px; zero for circles, and where anything is seen from across a seam.
+    sizes: Vec<[f64; 2]>,
     buckets: BTreeMap<(i64, i64), Vec<u32>>,
     /// Surfaces in too many buckets, which every query examines.
     long: Vec<u32>,
@@ -67,6 +131,8 @@ impl Surfaces {
     /// `None` if there are too many, if a collider is not constant, or if the meter runs out.
     pub fn new(world: &World, kind: &Kind, space: SpaceId, meter: &Meter<'_>) -> Option<Surfaces> {
         let mut out = Surfaces { presences: presences(kind), ..Surfaces::default() };
+        let is_plain = |body: &&Body| !body.is_round && !world.spaces[space].wraps();
+        out.sizes = kind.bodies.iter().map(|body| Some(body).filter(is_plain).map_or([0.0; 2], Body::size)).collect();
         let tiles = Tiles::new(world, space);
         let solids = &world.spaces[space].solids;
         for (number, body) in kind.bodies.iter().enumerate() {
@@ -90,17 +156,29 @@ impl Surfaces {
                 let is_covered = tiles.neighbour(at, side).is_some_and(|kind| blocks[kind]);
                 is_covered && !is_beside_rect(at)
             };
+            let bare = |at: usize, side: Side| {
+                let can_cover = tiles.neighbour(at, side).is_some_and(|kind| pushes(&meetings[kind]));
+                !can_cover && !is_beside_rect(at)
+            };
             for at in 0..tiles.count().0 * tiles.count().1 {
                 let Some(kind) = tiles.kind(at) else { continue };
                 let Some(meeting) = meetings[kind] else { continue };
                 let is_block = meeting.response.push == Push::Block;
-                out.add((number, body), tiles.tags[kind], meeting, tiles.bounds(at), |side| {
-                    is_block && covered(at, side)
-                })?;
+                let surface = Surface::new((number, body), tiles.tags[kind], meeting, tiles.bounds(at), |side| {
+                    if is_block && covered(at, side) {
+                        Face::Covered
+                    } else if bare(at, side) {
+                        Face::Bare
+                    } else {
+                        Face::Open
+                    }
+                });
+                out.add(Surface { lasts: tiles.lasts[kind], ..surface? })?;
             }
             for solid in solids {
                 let Some(meeting) = world.meeting(body.tags, solid.tags) else { continue };
-                out.add((number, body), solid.tags, meeting, solid.bounds, |_| false)?;
+                let surface = Surface::new((number, body), solid.tags, meeting, solid.bounds, |_| Face::Open);
+                out.add(Surface { lasts: true, ..surface? })?;
             }
         }
         Some(out)
@@ -113,38 +191,15 @@ impl Surfaces {
             for obstacle in obstacles {
                 if let Some(meeting) = world.meeting(body.tags, obstacle.tags) {
                     // There are always fewer instances than the maximum number of surfaces.
-                    let _ = out.add((number, body), obstacle.tags, meeting, obstacle.bounds, |_| false);
+                    let surface = Surface::new((number, body), obstacle.tags, meeting, obstacle.bounds, |_| Face::Open);
+                    let _ = surface.and_then(|surface| out.add(surface));
                 }
             }
         }
         out
     }
 
-    fn add(
-        &mut self,
-        (number, body): (usize, &Body),
-        tags: TagSet,
-        meeting: Meeting,
-        bounds: Bounds,
-        covered: impl Fn(Side) -> bool,
-    ) -> Option<()> {
-        let (extent, sides) = (body.extent?, along(bounds));
-        let is_pushing = meeting.response.push != Push::Sense && !body.kinematic;
-        let mut surface = Surface {
-            near: [0, 1].map(|axis| near(Some(extent), axis, sides[axis])),
-            tags,
-            mine: body.tags,
-            body: number,
-            is_pushing,
-            is_solid: meeting.response.push == Push::Block,
-            edges: [[None; 2]; 2],
-            is_open: [[false; 2]; 2],
-        };
-        for side in sides_of(meeting).filter(|_| is_pushing) {
-            let (axis, end) = face(side);
-            surface.edges[axis][end] = Some(edge_at(extent, axis, end, sides[axis]));
-            surface.is_open[axis][end] = !covered(side);
-        }
+    fn add(&mut self, surface: Surface) -> Option<()> {
         let number = self.all.len() as u32;
         let [columns, rows] = surface.near.map(buckets);
         if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
@@ -213,8 +268,9 @@ impl Surfaces {
                     0 => Interval { low: edge - far, high: edge },
                     _ => Interval { low: edge, high: edge + far },
                 };
-                if let (Some(_), Some(across)) = (rounded(from).and(at[axis]), surface.near[1 - axis].and(at[1 - axis]))
-                {
+                let depth = if end == 0 { edge - at[axis].high } else { at[axis].low - edge };
+                let within = surface.across(1 - axis, depth, far);
+                if let (Some(_), Some(across)) = (rounded(from).and(at[axis]), within.and(at[1 - axis])) {
                     out.push((end, rounded(Interval::point(edge)), across));
                 }
             }
@@ -282,10 +338,81 @@ impl Surfaces {
         }
     }
 
+    /// Boxes of positions in which a contact query surely holds after a collision phase in which pushes were at most `far`
+    /// px long, for an instance with some active leaves that was pushed along y by its low and by its high side or not.
+    pub fn surely_touched(
+        &self,
+        touch: &Touch,
+        (at, pushed): ([Interval; 2], [bool; 2]),
+        far: f64,
+        leaves: &[LeafId],
+    ) -> Vec<[Interval; 2]> {
+        let there = |s: &&&Surface| self.presences[s.body].is_there(leaves);
+        let asked = |s: &&&Surface| s.lasts && s.mine.meets(touch.mine) && s.tags.meets(TagSet::of(touch.other));
+        let is_plain = |s: &&&Surface| self.sizes.get(s.body).is_some_and(|size| size[0] > 0.0 && size[1] > 0.0);
+        let mut out = Vec::new();
+        if touch.side.is_none() {
+            // Wherever it was before it was pushed, they overlapped.
+            let around: Vec<&Surface> = self.around(at).collect();
+            let all = around.iter().filter(asked).filter(there).filter(is_plain);
+            for surface in all.filter(|s| s.is_solid || !s.is_pushing) {
+                let within = surface.near.map(|near| inner(near, far + SLACK));
+                out.extend(within[0].zip(within[1]).map(|(x, y)| [x, y]));
+            }
+        }
+        let is_about = |end: &usize| pushed[*end] && touch.side.map(face).is_none_or(|of| of == (1, *end));
+        let ends = [0, 1].into_iter().filter(is_about);
+        let around = if ends.clone().next().is_some() { self.all_around(at, far) } else { Vec::new() };
+        for end in ends {
+            // It was pushed to this edge, whatever pushed it.
+            let edges = around.iter().filter(there).filter_map(|s| s.edges[1][end].map(|edge| (edge, s.body)));
+            let mut edges = edges.filter(|(edge, _)| wide(at[1], SLACK).contains(*edge));
+            let Some((edge, body)) = edges.next().filter(|one| edges.all(|other| other == *one)) else { continue };
+            let is_it = |s: &&&Surface| s.edges[1][end] == Some(edge) && s.is_solid && s.is_bare[1][end];
+            let size = self.sizes.get(body).copied().unwrap_or_default();
+            // It is pushed along the axis of least penetration: at least this far it is over or under one of them.
+            let deep = far + SLACK;
+            let is_large = |s: &&&Surface| {
+                let [width, height] = [0, 1].map(|axis| s.near[axis].high - s.near[axis].low);
+                width - size[0] >= deep && height > 4.0 * deep
+            };
+            if size[0] < 2.0 * deep {
+                continue;
+            }
+            let row = around.iter().filter(asked).filter(there).filter(is_it).filter(is_large);
+            let mut row: Vec<Interval> = row.map(|s| s.near[0]).collect();
+            row.sort_by(|a, b| a.low.total_cmp(&b.low));
+            row.dedup_by(|next, last| {
+                let is_next = next.low <= last.high - size[0] + SLACK;
+                last.high = if is_next { last.high.greatest(next.high) } else { last.high };
+                is_next
+            });
+            out.extend(row.into_iter().filter_map(|x| Some([inner(x, 2.0 * deep)?, at[1]])));
+        }
+        out
+    }
+
+    /// The surfaces that an instance can touch from anywhere near a box of positions, and their neighbours.
+    fn all_around(&self, at: [Interval; 2], far: f64) -> Vec<&Surface> {
+        let size = self.sizes.iter().map(|size| size[0]).fold(0.0, f64::greatest);
+        let (x, y) = (wide(at[0], size + 4.0 * far), wide(at[1], far + 2.0 * SLACK));
+        self.around([x, y]).collect()
+    }
+
     /// Where pushes end along an axis, by the low and by the high side of colliders.
     pub fn lines(&self, axis: usize) -> [Vec<f64>; 2] {
         [0, 1].map(|end| self.all.iter().filter_map(|s| s.edges[axis][end]).collect())
     }
+}
+
+/// An interval, larger on both sides.
+fn wide(i: Interval, by: f64) -> Interval {
+    Interval { low: i.low - by, high: i.high + by }
+}
+
+/// An interval, smaller on both sides, if anything is left.
+fn inner(i: Interval, by: f64) -> Option<Interval> {
+    Some(wide(i, -by)).filter(|i| i.low <= i.high)
 }
 
 /// When each collider of a kind is active; `Always` where that is not known.

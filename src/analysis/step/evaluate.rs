@@ -237,6 +237,24 @@ impl<'a> Reader<'a> {
         Some(boxes)
     }
 
+    /// The positions of a configuration at which one of its contact queries can fail, between steps; `None` if it holds at
+    /// all of them.
+    pub(super) fn untouched(&self, slot: SlotId, id: TouchId, at: &Configuration) -> Option<[Values; 2]> {
+        let mut left = VarId::XY.map(|var| at.vars[var][0]);
+        for sure in self.surroundings.surely_touched(slot, &self.entity(slot).touches[id], at) {
+            for axis in 0..2 {
+                let across = Values::from(sure[1 - axis]);
+                if left[1 - axis].is_within(&across) {
+                    let outside = [(f64::NEG_INFINITY, sure[axis].low), (sure[axis].high, f64::INFINITY)];
+                    let outside = Values::any(outside.map(|(low, high)| Interval { low, high }));
+                    let is_in = left[axis].is_within(&Values::from(sure[axis]));
+                    left[axis] = if is_in { Values::none() } else { left[axis].and(&outside) };
+                }
+            }
+        }
+        (!left.iter().any(Values::is_none)).then_some(left)
+    }
+
     fn has_player(&self) -> bool {
         self.me.is_some_and(|(me, _)| self.world.slots[me].player.is_some())
     }
@@ -374,7 +392,10 @@ impl<'a> Reader<'a> {
                 if let Some(boxes) =
                     self.slot_and_configuration(of).and_then(|(slot, at)| self.touched(slot, touch, at))
                 {
-                    return Truth { can_hold: !boxes.is_empty(), can_fail: true };
+                    let is_asked = of == Subject::Me && self.phase == Phase::Discrete && !boxes.is_empty();
+                    let me = self.me.filter(|_| is_asked);
+                    let can_fail = me.is_none_or(|(slot, at)| self.untouched(slot, touch, at).is_some());
+                    return Truth { can_hold: !boxes.is_empty(), can_fail };
                 }
                 let can = |slot: &SlotId| {
                     let vars = self.configuration_of(of).map_or(&self.slots[*slot].vars, |c| &c.vars);

@@ -62,6 +62,13 @@ impl Reader<'_> {
                 }
                 !at.is_impossible()
             }
+            (Expr::Touching(Subject::Me, touch), false) if !self.is_within_step() => {
+                let Some(left) = self.untouched(me, touch, at) else { return false };
+                for (var, left) in VarId::XY.into_iter().zip(left) {
+                    at.set(var, 0, left);
+                }
+                true
+            }
             (Expr::Probe { .. }, _) => self.refine_by_probe(at, guard, holds),
             _ => true,
         }

@@ -320,7 +320,8 @@ impl<'a> Scene<'a> {
             let presence = Presence::of(self.program, &self.program.entities[entity], c.guard);
             let is_live = presence == Some(Presence::Always);
             let is_pushed = !c.kinematic && self.is_pushed(c.tags);
-            Body { tags: c.tags, kinematic: c.kinematic, extent, presence, is_live, is_pushed }
+            let is_round = c.shape.is_round();
+            Body { tags: c.tags, kinematic: c.kinematic, extent, is_round, presence, is_live, is_pushed }
         };
         self.program.entities[entity].colliders.iter().map(body).collect()
     }

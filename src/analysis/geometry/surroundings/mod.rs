@@ -167,6 +167,23 @@ impl Surroundings {
         Some(out)
     }
 
+    /// Boxes of the positions of a configuration at which a contact query surely holds: its contacts are those of the
+    /// collision phase after which it is there, with the same leaves.
+    pub fn surely_touched(&self, slot: SlotId, touch: &Touch, at: &Configuration) -> Vec<[Interval; 2]> {
+        let (Some(trace), Some(space)) = (at.trace, at.spaces.first()) else { return Vec::new() };
+        let hulls = [at.vars[VarId::X][0].hull(), at.vars[VarId::Y][0].hull()];
+        let [Some(x), Some(y)] = hulls else { return Vec::new() };
+        let contacts = self.of(slot);
+        // With several groups, an edge of one may have changed the leaves since.
+        let is_one = at.leaves.len() == 1 && at.spaces.len() == 1;
+        if touch.bound || !is_one || !contacts.obstacles.is_empty() || !self.can_tell_apart(slot) {
+            return Vec::new();
+        }
+        let far = contacts.longest[0].greatest(contacts.longest[1]);
+        let of = contacts.surfaces.iter().filter(|(of, _)| of == space);
+        of.flat_map(|(_, of)| of.surely_touched(touch, ([x, y], trace.pushed), far, &at.leaves)).collect()
+    }
+
     /// Whether an instance is never deep inside an obstacle.
     pub fn has_bounded_pushes(&self, slot: SlotId) -> bool {
         self.of.get(slot).is_some_and(|of| self.contacts[*of].has_bounded_pushes)

@@ -6,8 +6,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rand::Rng;
+use rand_pcg::Pcg32;
+
 use crate::support::{Disk, assert_leads_to, program, script, sized};
-use hypedc::analysis::{configuration_space, watched_space};
+use hypedc::analysis::{ConfigurationSpace, configuration_space, watched_space};
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::query::{Query, Session};
@@ -20,12 +23,12 @@ const WORLD: WorldId = WorldId(0);
 const ROOT: &str = "examples/smb/smb.hyped";
 const LEVEL: &str = "level.txt";
 
-/// The disk, and one level beside it.
-struct WithLevel<'a>(&'a str);
+/// The disk, and one level beside it; texts from the disk are changed.
+struct WithLevel<'a>(&'a str, &'a dyn Fn(&str) -> String);
 
 impl Files for WithLevel<'_> {
     fn read(&self, path: &Path) -> Result<String, ReadError> {
-        if path == Path::new(LEVEL) { Ok(self.0.to_string()) } else { Disk.read(path) }
+        if path == Path::new(LEVEL) { Ok(self.0.to_string()) } else { Ok((self.1)(&Disk.read(path)?)) }
     }
 
     fn identity(&self, path: &Path) -> PathBuf {
@@ -34,11 +37,13 @@ impl Files for WithLevel<'_> {
 }
 
 fn level(text: &str) -> Arc<Program> {
-    program(compile_with(
-        Path::new(ROOT),
-        LevelFile { map: Some(Path::new(LEVEL)), ..LevelFile::default() },
-        &WithLevel(text),
-    ))
+    level_of(text, &str::to_string)
+}
+
+/// A level for a program that is changed.
+fn level_of(text: &str, change: &dyn Fn(&str) -> String) -> Arc<Program> {
+    let map = LevelFile { map: Some(Path::new(LEVEL)), ..LevelFile::default() };
+    program(compile_with(Path::new(ROOT), map, &WithLevel(text, change)))
 }
 
 fn corpus(name: &str) -> String {
@@ -250,10 +255,16 @@ fn gap(tiles: usize, has_enemies: bool) -> Arc<Program> {
 
 /// Whether the analysis of falls rules the end of the level out, for runs on which nothing that may never be is.
 fn is_ruled_out(program: &Arc<Program>) -> bool {
+    let end = program.worlds[WORLD].goals.find(|goal| goal.name == "end").unwrap();
+    !by_flight(program, 150_000).can_hold(program, WORLD, end)
+}
+
+/// What the analysis of falls says, with at most some configurations. Searches look at each of their states whether it is
+/// one of them.
+fn by_flight(program: &Arc<Program>, effort: usize) -> ConfigurationSpace {
     let nevers: Vec<_> = program.worlds[WORLD].nevers.iter().map(|never| never.holds).collect();
     let space =
-        watched_space(program, WORLD, &nevers, &Unwatched).by_flight(program, WORLD, &nevers, 150_000, &Unwatched);
-    // Searches look at each of their states whether it is one of the space.
+        watched_space(program, WORLD, &nevers, &Unwatched).by_flight(program, WORLD, &nevers, effort, &Unwatched);
     let sim = Simulator::new(program, WORLD);
     let monitor = Monitor::new(&space, program, WORLD);
     let end = program.worlds[WORLD].goals.find(|goal| goal.name == "end").unwrap();
@@ -264,7 +275,7 @@ fn is_ruled_out(program: &Arc<Program>) -> bool {
             .unwrap();
     }
     assert!(monitor.refutation().is_none(), "{:?}", monitor.refutation());
-    !space.can_hold(program, WORLD, end)
+    space
 }
 
 /// He runs at 2.5 px a step and jumps for 64 steps at most: over ten tiles and what his body overlaps, but not over more
@@ -299,6 +310,32 @@ fn a_wall_that_no_jump_comes_over_is_proven() {
         assert_eq!(is_ruled_out(&level(&wall(tiles))), is_too_high, "{tiles}");
     }
     assert!(matches!(search(&level(&wall(5)), Planner::Auto, 1, 20_000), Verdict::Reached(_)));
+}
+
+/// Columns of tiles, each so many high.
+fn columns(heights: impl Iterator<Item = usize>) -> Arc<Program> {
+    let heights: Vec<usize> = heights.collect();
+    let row = |row: usize| heights.iter().map(|height| if 14 - row <= *height { 'X' } else { '-' }).collect();
+    level(&(0..14).map(row).collect::<Vec<String>>().join("\n"))
+}
+
+/// Up by one tile he jumps 131 px far, and 132 take him over nine tiles to where his corner alone is over the edge: the push
+/// is along the axis of least penetration, so he does not land there.
+#[test]
+fn what_comes_down_beside_an_edge_does_not_land_on_it() {
+    for (tiles, is_too_wide) in [(8, false), (9, true)] {
+        let heights = (0..6 + tiles + 10).map(|at| [7, 0, 8][usize::from(at >= 6) + usize::from(at >= 6 + tiles)]);
+        assert_eq!(is_ruled_out(&columns(heights)), is_too_wide, "{tiles}");
+    }
+}
+
+/// He comes up to the roof, and is out as soon as he stands there: what he lands on surely touches him.
+#[test]
+fn nobody_walks_over_the_roof() {
+    for (wall, is_over) in [(13, true), (14, false)] {
+        let heights = (0..30).map(|at| [9, wall, 1][usize::from(at >= 14) + usize::from(at >= 20)]);
+        assert_eq!(!is_ruled_out(&columns(heights)), is_over, "{wall}");
+    }
 }
 
 /// High pillars of three tiles, eight tiles apart, after open ground with stairs: each jump begins where the last one has
@@ -337,4 +374,42 @@ fn a_way_over_high_pillars_is_found_by_a_beam_and_by_auto() {
             assert!(seen.iter().any(|(p, ..)| p[1] + 15.0 > 14.0 * 16.0), "{planner:?}, seed {seed}: over the top");
         }
     }
+}
+
+/// Levels of random clumps of tiles, gaps and enemies: whatever a search comes to, with bodies of several sizes and at other
+/// speeds, the analysis of falls has told.
+#[test]
+fn falls_in_random_levels_are_told() {
+    const BODIES: [&str; 4] = ["rect(2, 0, 12, 15)", "rect(0, 0, 16, 16)", "rect(3, 0, 10, 24)", "rect(5, 0, 6, 6)"];
+    const COLUMNS: usize = 20;
+    let mut told = 0;
+    for seed in sized(0..12, 0..1_000) {
+        let mut random = Pcg32::new(seed, 1);
+        let mut below = |limit: u32| random.next_u32() % limit;
+        let mut rows = vec![vec!['-'; COLUMNS]; 14];
+        for _ in 0..4 + below(12) {
+            let (column, row) = (below(COLUMNS as u32) as usize, below(13) as usize);
+            let (width, height) = (1 + below(6) as usize, 1 + below(3) as usize);
+            let tile = ['X', 'X', 'X', 'X', 'X', 'X', 'X', 'X', 'S', 'S', '?', 'E'][below(12) as usize];
+            let cells = if tile == 'E' { (1, 1) } else { (width, height) };
+            for row in rows.iter_mut().skip(row).take(cells.1) {
+                row[column..(column + cells.0).min(COLUMNS)].fill(tile);
+            }
+        }
+        let (gap, wide) = (5 + below(8) as usize, below(10) as usize);
+        rows[13].fill('X');
+        rows[13][gap..(gap + wide).min(COLUMNS - 1)].fill('-');
+        // He starts on the ground, with nothing around him.
+        rows[10..13].iter_mut().for_each(|row| row[..5].fill('-'));
+        let text = rows.iter().map(|row| row.iter().collect::<String>()).collect::<Vec<_>>().join("\n");
+        let body = BODIES[below(4) as usize];
+        let run_speed = ["150", "150", "90", "230"][below(4) as usize];
+        let program = level_of(&text, &|source| {
+            let speed = format!("run_speed = {run_speed}");
+            source.replace("rect(2, 0, 12, 15)", body).replace("run_speed = 150", &speed)
+        });
+        let space = by_flight(&program, sized(60_000, 400_000));
+        told += usize::from(!std::ptr::eq(space.finest(), &space));
+    }
+    assert!(told >= 2, "{told} levels were told");
 }

@@ -9,9 +9,9 @@
 //! all places up to the next edge. This is trace partitioning (Rival and Mauborgne, *The trace partitioning abstract
 //! domain*, TOPLAS 2007) by the last event that began a fall.
 //!
-//! Where that event would tell little, as a button may have been let go at any step since, the state does: falls are
-//! told apart by rows of heights and by ranges of velocities as large as what a step changes, so that a range becomes
-//! the next one. What falls at one velocity is told apart by rows alone: of two at a place the higher one gets further.
+//! Where modes change, as a button is let go, the steps until then and since are told apart, for players. Where events would
+//! tell little, as modes have changed again or a fall begins at many heights, the state does: falls are told apart by rows
+//! of heights and by ranges of velocities as large as what a step changes, so that a range becomes the next one. What falls at one velocity is told apart by rows alone: of two at a place the higher one gets further.
 
 use std::collections::{BTreeMap, BTreeSet};
 

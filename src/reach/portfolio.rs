@@ -16,6 +16,8 @@ const AHEAD: u32 = 3;
 /// others are ahead.
 const STALE: u64 = 2;
 const LEFT: u64 = 3;
+/// After so many nodes, a search takes long.
+const LATE: u64 = 32_000;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
 
@@ -24,9 +26,10 @@ const NODE: u64 = 2_048;
 const FASTER: u64 = 2;
 const FEWEST: [u64; 3] = [16, 1_000, 24_000];
 
-/// A planner with its shares of the work: until a path is found, and for a faster one.
+/// A planner with its shares of the work: until a path is found, at first and when that takes long, and for a faster one.
 pub(super) struct Arm<'a> {
     share: u64,
+    share_when_late: u64,
     share_for_faster: u64,
     searcher: Box<dyn Searcher + 'a>,
     /// Its least distance to the goal, places, and its work when it came there.
@@ -36,7 +39,12 @@ pub(super) struct Arm<'a> {
 impl<'a> Arm<'a> {
     /// A planner with a share until a path is found, and none then.
     pub fn new(share: u64, searcher: Box<dyn Searcher + 'a>) -> Self {
-        Arm { share, share_for_faster: 0, searcher, nearest: (u32::MAX, 0) }
+        Arm { share, share_when_late: share, share_for_faster: 0, searcher, nearest: (u32::MAX, 0) }
+    }
+
+    /// The same, with another share once the search has gone on for [`LATE`] nodes.
+    pub fn late(self, share_when_late: u64) -> Self {
+        Arm { share_when_late, ..self }
     }
 
     /// The same, with a share in the search for a faster path.
@@ -154,7 +162,11 @@ impl<'a> Portfolio<'a> {
 
     /// The share of a planner.
     fn share(&self, arm: &Arm<'_>) -> u64 {
-        if self.fastest.is_some() { arm.share_for_faster } else { arm.share }
+        match self.fastest {
+            Some(_) => arm.share_for_faster,
+            None if self.nodes() >= LATE => arm.share_when_late,
+            None => arm.share,
+        }
     }
 
     /// The planner that is furthest behind its share.

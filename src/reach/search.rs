@@ -247,21 +247,22 @@ impl<'a> Builder<'_, 'a> {
                 if !is_certain {
                     arms.push(Arm::new(shares.blended, led(None)));
                 }
-                let mut add = |planner: Planner, shares: &[(u64, u64)]| {
+                let mut add = |planner: Planner, shares: &[[u64; 3]]| {
                     let searchers = self.searchers(planner, tree, self.settings.hold);
-                    arms.extend(searchers.into_iter().zip(shares).map(|(searcher, &(share, for_faster))| {
-                        Arm::new(share, searcher).for_faster(if self.settings.hastens { for_faster } else { 0 })
+                    arms.extend(searchers.into_iter().zip(shares).map(|(searcher, &[share, late, for_faster])| {
+                        let for_faster = if self.settings.hastens { for_faster } else { 0 };
+                        Arm::new(share, searcher).late(late).for_faster(for_faster)
                     }));
                 };
                 if self.guidance.distances.is_some() {
                     add(Planner::TimeGuided, shares.by_time);
                     add(Planner::Beam, &[shares.beam]);
                 }
-                add(Planner::Coverage, &[(shares.coverage, 0)]);
-                add(Planner::Rrt, &[(1, 0)]);
+                add(Planner::Coverage, &[[shares.coverage, shares.coverage, 0]]);
+                add(Planner::Rrt, &[[1, 1, 0]]);
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
-                    arms.push(Arm::new(1, Box::new(self.refinement(tree))));
+                    arms.push(Arm::new(1, Box::new(self.refinement(tree))).late(2));
                 }
                 self.portfolio(arms)
             }
@@ -403,16 +404,18 @@ const COARSE: [u16; 3] = [10, 5, 2];
 struct Shares {
     /// Of the tree that is led by distances and by coverage.
     blended: u64,
-    /// Of the trees that are led by time, in the order of their manners, and of a beam, where there are distances.
-    by_time: &'static [(u64, u64)],
-    beam: (u64, u64),
+    /// Of the trees that are led by time, in the order of their manners, and of a beam, where there are distances: at
+    /// first, when the search takes long, and for a faster path.
+    by_time: &'static [[u64; 3]],
+    beam: [u64; 3],
     /// Of a tree by coverage alone, where distances lead astray.
     coverage: u64,
 }
 
 /// The shares as a rule, and with a time limit.
-const AUTO: Shares = Shares { blended: 8, by_time: &[(5, 3), (3, 2), (2, 0)], beam: (6, 4), coverage: 4 };
-const IN_TIME: Shares = Shares { blended: 8, by_time: &[(4, 2), (3, 1), (3, 2), (2, 0)], beam: (6, 4), coverage: 1 };
+const AUTO: Shares = Shares { blended: 8, by_time: &[[5, 5, 3], [3, 3, 2], [2, 2, 0]], beam: [6, 12, 4], coverage: 4 };
+const IN_TIME: Shares =
+    Shares { blended: 8, by_time: &[[4, 4, 2], [3, 3, 1], [3, 3, 2], [2, 2, 0]], beam: [6, 6, 4], coverage: 1 };
 
 /// Parallel searchers.
 struct ParallelSearch<'f, 'a> {

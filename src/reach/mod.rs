@@ -92,8 +92,10 @@ use crate::watch::{Meter, Watch};
 use monitor::monitored;
 use search::{Interlude, search_asking};
 
-/// Number of nodes after which a search pauses for a finer analysis; an answer within them needs none.
+/// Numbers of nodes after which a search pauses for finer analyses, by place and by the courses of falls; an answer within
+/// them needs none.
 const QUICK_NODES: u64 = 4_000;
+const MORE_NODES: u64 = 24_000;
 
 /// Maximum number of configurations that are told apart by the courses of falls, while a search has found nothing, for
 /// each of its nodes: so both cost about the same; and where exhaustion is asked for.
@@ -174,12 +176,17 @@ fn reach_monitored(
     #[cfg(not(feature = "ask"))]
     let proof_by_flight = |_: u64| -> Option<Proof> { None };
     let mut proof = None;
-    let mut closer_proof = || -> bool {
-        proof = prove(whole.clone().by_place(of, world, &nevers, watch)).or_else(|| proof_by_flight(QUICK_NODES));
+    let mut closer_proof = |nodes: u64| -> bool {
+        proof = match nodes {
+            QUICK_NODES => prove(whole.clone().by_place(of, world, &nevers, watch)),
+            _ => proof_by_flight(nodes),
+        };
         proof.is_some()
     };
+    let pauses = [QUICK_NODES, MORE_NODES];
+    let pauses = &pauses[..if limits.nodes > MORE_NODES { 2 } else { 1 }];
     let is_auto = settings.planner == Planner::Auto && limits.nodes > QUICK_NODES;
-    let interlude = is_auto.then_some(Interlude { nodes: QUICK_NODES, ends: &mut closer_proof });
+    let interlude = is_auto.then_some(Interlude { pauses, ends: &mut closer_proof });
     let outcome = search_asking(problem, space, settings, limits, watch, interlude)?;
     if is_auto && proof.is_none() && outcome.is_open() {
         proof = proof_by_flight(limits.nodes);

@@ -133,12 +133,28 @@ pub fn search(
     search_asking(problem, space, settings, limits, watch, None)
 }
 
-/// What is asked once in a search that has not found anything yet: whether it can end there.
+/// What is asked in a search that has not found anything yet: whether it can end there.
 pub(super) struct Interlude<'i> {
-    /// After this number of nodes.
-    pub nodes: u64,
-    /// The question.
-    pub ends: &'i mut dyn FnMut() -> bool,
+    /// After these numbers of nodes, in order.
+    pub pauses: &'i [u64],
+    /// The question, with the number of nodes.
+    pub ends: &'i mut dyn FnMut(u64) -> bool,
+}
+
+impl Interlude<'_> {
+    /// Whether the search ends after some nodes.
+    fn ends(&mut self, nodes: u64) -> bool {
+        let due = self.pauses.split_first().filter(|(next, _)| **next <= nodes);
+        due.is_some_and(|(next, later)| {
+            self.pauses = later;
+            (self.ends)(*next)
+        })
+    }
+
+    /// The number of nodes until the next pause.
+    fn left(&self, nodes: u64) -> Option<u64> {
+        self.pauses.first().map(|next| next.saturating_sub(nodes))
+    }
 }
 
 /// As [`search`], with an interlude.
@@ -446,9 +462,7 @@ impl ParallelSearch<'_, '_> {
             }
             // What was found needs no proof that there is nothing.
             interlude = interlude.filter(|_| !self.trees.iter().any(|tree| tree.has_found()));
-            if let Some(interlude) = interlude.take_if(|interlude| interlude.nodes <= nodes)
-                && (interlude.ends)()
-            {
+            if interlude.as_mut().is_some_and(|interlude| interlude.ends(nodes)) {
                 return self.unanswered(End::Stopped, 0);
             }
             let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
@@ -457,7 +471,8 @@ impl ParallelSearch<'_, '_> {
             }
             let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
             self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
-            let left = interlude.as_ref().map_or(left, |interlude| left.min(interlude.nodes - nodes));
+            let pause = interlude.as_ref().and_then(|interlude| interlude.left(nodes));
+            let left = pause.map_or(left, |pause| left.min(pause));
             let share = (left / self.trees.len() as u64).clamp(1, ROUND);
             let endings = self.round(share);
             let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));

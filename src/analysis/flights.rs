@@ -27,7 +27,7 @@ use crate::analysis::step::evaluate::Reader;
 
 /// Maximum number of configurations of a course that are told apart by place.
 const MAX_PARTS: usize = 256;
-/// Maximum number of steps of a fall.
+/// Maximum number of steps of a fall, and of those after which a change of modes is told by its step.
 const MAX_AGE: u32 = 1 << 12;
 const MAX_TURNS: u32 = 64;
 /// Maximum number of cells of the spaces of a world.

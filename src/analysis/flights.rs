@@ -11,11 +11,12 @@
 //!
 //! Where modes change, as a button is let go, the steps until then and since are told apart, for players. Where events would
 //! tell little, as modes have changed again or a fall begins at many heights, the state does: falls are told apart by rows
-//! of heights and by ranges of velocities as large as what a step changes, so that a range becomes the next one. What falls at one velocity is told apart by rows alone: of two at a place the higher one gets further.
+//! of heights and by ranges of velocities as large as what a step changes, so that a range becomes the next one. What falls
+//! at one velocity is told apart by rows alone: of two at a place the higher one gets further.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{Extremes, LeafId, Origin, SlotId, VarId};
+use crate::ir::{Expr, ExprId, Extremes, LeafId, Origin, SlotId, Subject, VarId};
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
@@ -132,15 +133,9 @@ impl Analysis<'_> {
             if live.iter().any(|slot| !self.begins_once(*slot)) {
                 continue;
             }
-            // Those that differ only in where they begin are one.
-            let is_like = |a: SlotId, b: SlotId| {
-                let is_from_tile = |slot: SlotId| self.world.slots[slot].origin == Origin::Tile;
-                let [one, other] = [a, b].map(|slot| &self.overall[slot]);
-                is_from_tile(a) && is_from_tile(b) && one.params == other.params && one.spaces == other.spaces
-            };
             let mut groups: Vec<Vec<SlotId>> = Vec::new();
             for slot in live {
-                match groups.iter_mut().find(|group| is_like(group[0], slot)) {
+                match groups.iter_mut().find(|group| self.are_alike(group[0], slot)) {
                     Some(group) => group.push(slot),
                     None => groups.push(vec![slot]),
                 }
@@ -161,6 +156,36 @@ impl Analysis<'_> {
         let is_spawned = self.program.entities.iter().any(|of| of.spawns.iter().any(|s| s.entity == begun.entity));
         !self.slots[slot].is_given_up
             && (begun.origin == Origin::Named || (begun.origin == Origin::Tile && !is_spawned))
+    }
+
+    /// Whether two slots of a kind differ only in where they begin, and nothing tells them from each other.
+    fn are_alike(&self, a: SlotId, b: SlotId) -> bool {
+        let [one, other] = [a, b].map(|slot| &self.world.slots[slot]);
+        let [known, also] = [a, b].map(|slot| &self.overall[slot]);
+        // What sees others does not see itself.
+        let asked = self.program.with_operands(self.program.entities[one.entity].exprs());
+        let looks = |id: &ExprId| matches!(self.program.exprs[*id], Expr::Probe { .. } | Expr::Nearest { .. });
+        one.origin == Origin::Tile
+            && other.origin == Origin::Tile
+            && one.timer_limits == other.timer_limits
+            && self.limits[a] == self.limits[b]
+            && known.params == also.params
+            && known.spaces == also.spaces
+            && self.forbidden.predicates.iter().all(|predicate| self.is_about_players(*predicate))
+            && !asked.iter().any(looks)
+    }
+
+    /// Whether a predicate names no instance but players.
+    fn is_about_players(&self, predicate: ExprId) -> bool {
+        let is_player = |of: Subject| match of {
+            Subject::Slot(slot) => self.world.slots[slot].player.is_some(),
+            _ => true,
+        };
+        self.program.with_operands(vec![predicate]).into_iter().all(|id| match self.program.exprs[id] {
+            Expr::Param(of, _) | Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::InMode(of, _) => is_player(of),
+            Expr::Alive(slot) => is_player(Subject::Slot(slot)),
+            _ => true,
+        })
     }
 
     /// The configurations of some slots of a kind, which differ only in where they begin, told apart, among others that

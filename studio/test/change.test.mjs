@@ -36,7 +36,6 @@ test("the state goes on after a change, and the choice is remembered", async (t)
   await until(page, "globalThis.studio.game.length > 40");
   await page.keyboard.up("ArrowRight");
   await page.keyboard.press("KeyP");
-  // The last step may be under way still.
   await stopped(page);
   const bodies = await game(page, "frame.bodies");
   await edited(page, "run_speed = 100", "run_speed = 160");

@@ -144,7 +144,6 @@ test("one scrubs back, takes over, and takes that back", async (t) => {
   await until(page, "globalThis.studio.game.length > 60");
   await page.keyboard.up("ArrowRight");
   await page.keyboard.press("KeyP");
-  // The last step may be under way still.
   await stopped(page);
   const length = await game(page, "length");
   const slider = page.getByLabel("Frame", { exact: true });

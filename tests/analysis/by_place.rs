@@ -204,3 +204,64 @@ world W {
     let places = |space: &ConfigurationSpace| space.slots.iter().next().unwrap().configurations.len();
     assert!(places(space.finest()) > places(&space), "it is told apart by place");
 }
+
+/// Two of a kind that differ only in where they begin do not see the same: one has another beside it, and can be stepped on.
+#[test]
+fn those_who_see_their_like_are_not_alike() {
+    for side in [16, -16] {
+        let text = format!(
+            "entity Hero {{
+    param speed = 60
+    axis horizontal
+    button jump
+    collider body: rect(0, 0, 12, 12)
+    collider feet: rect(0, 0, 12, 4) when in air
+    clamp y' >= -240
+    x' = speed * horizontal
+    mode ground {{
+        y' = -30
+        when not touching(body, wall, below) -> air {{ y' := 0 }}
+        when pressed(jump) -> air {{ y' := 240 }}
+    }}
+    initial mode air {{
+        y'' = -900
+        when touching(feet, head) -> air {{ y' := 600 }}
+        when touching(body, wall, below) and y' <= 0 -> ground
+    }}
+}}
+entity Critter {{
+    collider box, seen: rect(0, 0, 16, 16)
+    collider top, head: rect(0, 0, 16, 16) when in up
+    y' = -30
+    initial mode still {{ when touching(box at ({side}, 0), seen) -> up }}
+    mode up {{ }}
+}}
+world W {{
+    step 1/60
+    collide body with wall: block
+    collide box with wall: block
+    collide feet with head: sense
+    collide box with seen: sense
+    tiles t 16 x 16 {{ '.': empty; '#': wall; 'E': spawn Critter }}
+    space main {{
+        map t \"
+            ................
+            ................
+            ................
+            ................
+            ................
+            ................
+            ................
+            ..........EE....
+            ################
+            ################
+        \"
+        place hero: Hero at (32, 40)
+    }}
+    player 1: hero
+    goal there: hero.y > 130
+}}"
+        );
+        assert_eq!(verdicts(&text), (false, true), "{side}");
+    }
+}

@@ -92,11 +92,11 @@ pub(in crate::analysis) struct Analysis<'a> {
     /// The slot that represents each slot: slots that are empty at the start are interchangeable.
     first: IdVec<SlotId, SlotId>,
     /// Invariant bounds of the discrete variables.
-    limits: Limits,
+    pub(in crate::analysis) limits: Limits,
     /// What is not known of the instances that begin.
     pub unknown: &'a Unknown,
     /// Predicates that never hold.
-    forbidden: Forbidden<'a>,
+    pub(in crate::analysis) forbidden: Forbidden<'a>,
     /// Whether any instance reads others.
     is_read: bool,
     /// Whether the analysis is narrowing, so that no widening is needed.

@@ -90,12 +90,12 @@ use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
 
 use monitor::monitored;
-use search::{Interlude, search_asking};
+use search::{Interlude, Pause, search_asking};
 
-/// Numbers of nodes after which a search pauses for finer analyses, by place and by the courses of falls; an answer within
-/// them needs none.
-const QUICK_NODES: u64 = 4_000;
-const MORE_NODES: u64 = 24_000;
+/// When a search pauses for a finer analysis, by place: an answer within them needs none.
+const BY_PLACE: Pause = Pause { nodes: 4_000, times: 1 };
+/// When it pauses for one by the courses of falls. What can be reached is come nearer to again and again.
+const BY_FLIGHT: Pause = Pause { nodes: 24_000, times: 4 };
 
 /// Maximum number of configurations that are told apart by the courses of falls, while a search has found nothing, for
 /// each of its nodes: so both cost about the same; and where exhaustion is asked for.
@@ -162,7 +162,7 @@ fn reach_monitored(
             // the start would have ended it already.
             let finer_monitor = Monitor::new(&closer, program, world);
             let again = problem.clone().monitored(&finer_monitor);
-            let _ = search(&again, space, settings, &Limits { nodes: QUICK_NODES, ..*limits }, watch);
+            let _ = search(&again, space, settings, &Limits { nodes: BY_PLACE.nodes, ..*limits }, watch);
             finer_monitor.refutation().into_iter().for_each(|refutation| monitor.note(refutation));
         }
         Some(proof)
@@ -175,20 +175,24 @@ fn reach_monitored(
     };
     #[cfg(not(feature = "ask"))]
     let proof_by_flight = |_: u64| -> Option<Proof> { None };
+    // With how many nodes the courses of falls were asked for.
+    let mut most = 0;
     let mut proof = None;
-    let mut closer_proof = |nodes: u64| -> bool {
-        proof = match nodes {
-            QUICK_NODES => prove(whole.clone().by_place(of, world, &nevers, watch)),
-            _ => proof_by_flight(nodes),
+    let mut closer_proof = |pause: Pause, nodes: u64| -> bool {
+        proof = match pause {
+            BY_PLACE => prove(whole.clone().by_place(of, world, &nevers, watch)),
+            _ => {
+                most = nodes;
+                proof_by_flight(nodes)
+            }
         };
         proof.is_some()
     };
-    let pauses = [QUICK_NODES, MORE_NODES];
-    let pauses = &pauses[..if limits.nodes > MORE_NODES { 2 } else { 1 }];
-    let is_auto = settings.planner == Planner::Auto && limits.nodes > QUICK_NODES;
-    let interlude = is_auto.then_some(Interlude { pauses, ends: &mut closer_proof });
+    let pauses = [BY_PLACE, BY_FLIGHT];
+    let is_auto = settings.planner == Planner::Auto && limits.nodes > BY_PLACE.nodes;
+    let interlude = is_auto.then_some(Interlude { pauses: &pauses, ends: &mut closer_proof });
     let outcome = search_asking(problem, space, settings, limits, watch, interlude)?;
-    if is_auto && proof.is_none() && outcome.is_open() {
+    if is_auto && proof.is_none() && outcome.is_open() && (settings.exhausts || most <= limits.nodes / 2) {
         proof = proof_by_flight(limits.nodes);
     }
     if let Some(proof) = proof {

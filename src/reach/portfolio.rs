@@ -257,6 +257,10 @@ impl Searcher for Portfolio<'_> {
         self.arms.iter().map(|arm| arm.searcher.places()).max().unwrap_or(0)
     }
 
+    fn nearest(&self) -> Option<u32> {
+        self.arms.iter().filter_map(|arm| arm.searcher.nearest()).min()
+    }
+
     fn report(&self, notes: &mut Notes) {
         notes.join(&self.spent);
         self.arms.iter().for_each(|arm| arm.searcher.report(notes));

@@ -135,25 +135,35 @@ pub fn search(
 
 /// What is asked in a search that has not found anything yet: whether it can end there.
 pub(super) struct Interlude<'i> {
-    /// After these numbers of nodes, in order.
-    pub pauses: &'i [u64],
+    /// In order.
+    pub pauses: &'i [Pause],
     /// The question, with the number of nodes.
-    pub ends: &'i mut dyn FnMut(u64) -> bool,
+    pub ends: &'i mut dyn FnMut(Pause, u64) -> bool,
+}
+
+/// When a search pauses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pause {
+    /// At least after so many nodes.
+    pub nodes: u64,
+    /// After so many times the nodes that it took to come as near to the goal as it is.
+    pub times: u64,
 }
 
 impl Interlude<'_> {
-    /// Whether the search ends after some nodes.
-    fn ends(&mut self, nodes: u64) -> bool {
-        let due = self.pauses.split_first().filter(|(next, _)| **next <= nodes);
+    /// Whether the search ends after some nodes, of which so many took it nearest to the goal.
+    fn ends(&mut self, nodes: u64, nearest: u64) -> bool {
+        let due = self.pauses.split_first();
+        let due = due.filter(|(next, _)| next.nodes <= nodes && next.times.saturating_mul(nearest) <= nodes);
         due.is_some_and(|(next, later)| {
             self.pauses = later;
-            (self.ends)(*next)
+            (self.ends)(*next, nodes)
         })
     }
 
-    /// The number of nodes until the next pause.
+    /// The number of nodes until the next pause, at least.
     fn left(&self, nodes: u64) -> Option<u64> {
-        self.pauses.first().map(|next| next.saturating_sub(nodes))
+        self.pauses.first()?.nodes.checked_sub(nodes).filter(|left| *left > 0)
     }
 }
 
@@ -454,6 +464,8 @@ impl ParallelSearch<'_, '_> {
         if self.watch.stop() {
             return self.outcome(Verdict::NotFound, End::Stopped, 0);
         }
+        // How near it has come to the goal, and with how many nodes.
+        let mut nearest = (u32::MAX, 0);
         loop {
             let nodes: u64 = self.trees.iter().map(|t| t.nodes()).sum();
             let left = self.limits.nodes.saturating_sub(nodes);
@@ -462,7 +474,10 @@ impl ParallelSearch<'_, '_> {
             }
             // What was found needs no proof that there is nothing.
             interlude = interlude.filter(|_| !self.trees.iter().any(|tree| tree.has_found()));
-            if interlude.as_mut().is_some_and(|interlude| interlude.ends(nodes)) {
+            if let Some(near) = self.trees.iter().filter_map(|tree| tree.nearest()).min().filter(|near| *near < nearest.0) {
+                nearest = (near, nodes);
+            }
+            if interlude.as_mut().is_some_and(|interlude| interlude.ends(nodes, nearest.1)) {
                 return self.unanswered(End::Stopped, 0);
             }
             let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();

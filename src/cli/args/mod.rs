@@ -409,9 +409,9 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
     /// The number of threads that grow the trees, or of levels that are searched in parallel; the result does not depend
-    /// on it.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
-    pub threads: u16,
+    /// on it [default: the number of cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
+    pub threads: Option<u16>,
     /// The seed: the same seed gives the same search.
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "The search")]
     pub seed: u64,

@@ -179,7 +179,7 @@ impl Run<'_> {
         }
         let Run { context, levels, files, .. } = &mut self;
         let task = |at: usize, task_context: &TaskContext<'_, TaskResult>| context.level(at, &levels[at], task_context);
-        parallel::work(levels.len(), usize::from(args.threads), &stop, &task, &mut |level, done| {
+        parallel::work(levels.len(), parallel::threads(args.threads), &stop, &task, &mut |level, done| {
             bar.inc(1);
             let written = match done {
                 TaskResult::Broken(why) => Err(why),

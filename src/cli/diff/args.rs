@@ -48,9 +48,10 @@ pub(in crate::cli) struct DiffArgs {
     /// The seed: the same seed gives the same searches.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The number of levels that are compared in parallel; the result does not depend on it.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: u16,
+    /// The number of levels that are compared in parallel; the result does not depend on it [default: the number of
+    /// cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
     /// Only what changed and how players move: asks no question.
     #[arg(long, conflicts_with_all = ["goal", "never"])]
     pub no_search: bool,

@@ -318,7 +318,7 @@ impl Run<'_> {
                 context.submit(found);
             }
         };
-        parallel::work(levels.len(), usize::from(self.args.threads), &stop, &task, &mut |level, found| {
+        parallel::work(levels.len(), parallel::threads(self.args.threads), &stop, &task, &mut |level, found| {
             bar.inc(1);
             all[level] = Some(found);
             ControlFlow::Continue(())

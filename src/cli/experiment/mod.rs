@@ -27,6 +27,7 @@ use crate::cli::Exit;
 use crate::cli::report::{Loaded, has_maps, load_again, load_changed, plain_error, program_sha256, show, show_fact};
 use crate::cli::sweep::{Sweep, swept};
 use crate::cli::watches::interrupted;
+use crate::parallel;
 use args::{ExperimentArgs, ExperimentFormat, ExperimentOptions, FilesArgs, Known, PaperArgs};
 
 /// CPU time of the calling thread: unaffected by other programs.
@@ -177,7 +178,7 @@ fn experiment(
             }
         }
     };
-    let threads = options.threads.map_or_else(cores, usize::from);
+    let threads = parallel::threads(options.threads);
     let runs = conduct(&design, &questions, threads, &ThreadClock, &stop, &mut each);
     bar.finish_and_clear();
     if let Some(broken) = broken {
@@ -254,10 +255,6 @@ fn questions<'a>(analysed: &'a [Analysed<'a>], is_selected: &dyn Fn(&Source, &st
         }
     }
     questions
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// A progress bar, on a terminal only.

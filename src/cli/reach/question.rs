@@ -15,6 +15,7 @@ use crate::cli::args::{MetricName, ReachArgs, SampleBounds, StyleName};
 use crate::cli::refusal::Refusal;
 use crate::cli::report::Loaded;
 use crate::cli::time::{Time, held};
+use crate::parallel;
 
 /// The source of the goal of `--explore`, which nothing reaches.
 const EXPLORE: &str = "--explore";
@@ -177,7 +178,7 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
             MetricName::Xy => Measure::Positions,
         },
         trees: usize::from(args.trees),
-        threads: usize::from(args.threads),
+        threads: parallel::threads(args.threads),
         records: !args.person.has_layers() && args.svg.is_some() || args.page.html.is_some() || args.tree,
         checks: !args.no_check_states,
         exhausts: args.exhaust,

@@ -126,7 +126,7 @@ pub(super) fn run(args: &ReachArgs, sweep: &Sweep<'_>) -> io::Result<Exit> {
     let bar = ProgressBar::with_draw_target(Some(sweep.points() as u64), ProgressDrawTarget::stderr());
     let mut points: Vec<Option<Point>> = std::iter::repeat_with(|| None).take(sweep.points()).collect();
     let task = |at: usize, context: &TaskContext<'_, Point>| context.submit(point(args, sweep, at, context));
-    parallel::work(points.len(), usize::from(args.threads), &stop, &task, &mut |at, point| {
+    parallel::work(points.len(), parallel::threads(args.threads), &stop, &task, &mut |at, point| {
         bar.inc(1);
         if let Some(place) = points.get_mut(at) {
             *place = Some(point);

@@ -43,8 +43,8 @@ pub(in crate::cli) struct TestArgs {
     /// Maximum time for each test, s; a test that is stopped fails.
     #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The search")]
     pub seconds: Option<f64>,
-    /// The number of tests that run at the same time; the results do not depend on it [default: that of the processor's
-    /// threads].
+    /// The number of tests that run at the same time; the results do not depend on it [default: the number of
+    /// cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub threads: Option<u16>,
     /// The folder of the ways that were found, for instance beside the program and under version control.

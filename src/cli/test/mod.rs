@@ -10,7 +10,6 @@ use std::io::{self, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::thread;
 use std::time::Instant;
 
 use crate::compile::{Changes, Compilation, NumberSetting, TestCase, compile_changed};
@@ -159,7 +158,7 @@ fn run_all(
         tested.result.seconds = watch.started.elapsed().as_secs_f64();
         context.submit(tested);
     };
-    let threads = args.threads.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let threads = parallel::threads(args.threads);
     let mut all: Vec<Option<Tested>> = tasks.iter().map(|_| None).collect();
     let (mut shown, mut failed) = (0, Ok(()));
     let interrupt = Interrupt::new();

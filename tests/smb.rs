@@ -10,7 +10,7 @@ use rand::Rng;
 use rand_pcg::Pcg32;
 
 use crate::support::{Disk, assert_leads_to, program, script, sized};
-use hypedc::analysis::{ConfigurationSpace, configuration_space, watched_space};
+use hypedc::analysis::{ConfigurationSpace, at_most, configuration_space, watched_space};
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::query::{Query, Session};
@@ -263,8 +263,13 @@ fn is_ruled_out(program: &Arc<Program>) -> bool {
 /// one of them.
 fn by_flight(program: &Arc<Program>, effort: usize) -> ConfigurationSpace {
     let nevers: Vec<_> = program.worlds[WORLD].nevers.iter().map(|never| never.holds).collect();
-    let space =
-        watched_space(program, WORLD, &nevers, &Unwatched).by_flight(program, WORLD, &nevers, effort, &Unwatched);
+    let space = watched_space(program, WORLD, &nevers, &Unwatched).by_flight(
+        program,
+        WORLD,
+        &nevers,
+        &mut at_most(effort),
+        &Unwatched,
+    );
     let sim = Simulator::new(program, WORLD);
     let monitor = Monitor::new(&space, program, WORLD);
     let end = program.worlds[WORLD].goals.find(|goal| goal.name == "end").unwrap();

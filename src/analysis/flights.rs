@@ -110,9 +110,12 @@ struct Flights<'a> {
 type Turn = (bool, u8, i64);
 
 impl Analysis<'_> {
-    /// The configurations of the players, told apart; takes its work from `effort`. `None` if that is not possible for any,
-    /// or too much.
-    pub(in crate::analysis) fn by_flight(&mut self, effort: &mut usize) -> Option<Vec<(SlotId, Vec<Configuration>)>> {
+    /// The configurations of the players, told apart; `goes_on` is asked before each of them. `None` if that is not possible
+    /// for any, or too much.
+    pub(in crate::analysis) fn by_flight(
+        &mut self,
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Vec<(SlotId, Vec<Configuration>)>> {
         let players: Vec<SlotId> = self.world.players.iter().map(|player| player.slot).collect();
         let falls = |slot: &SlotId| {
             let known = self.slots[*slot].configurations.values();
@@ -140,12 +143,12 @@ impl Analysis<'_> {
                     None => groups.push(vec![slot]),
                 }
             }
-            let found: Option<Vec<_>> = groups.iter().map(|group| self.flown(kind, group, &others, effort)).collect();
+            let found: Option<Vec<_>> = groups.iter().map(|group| self.flown(kind, group, &others, goes_on)).collect();
             others.extend(found.map(|found| (kind, found.concat())));
         }
         let mut out = Vec::new();
         for slot in players {
-            out.push((slot, self.flown(self.scene.of[slot], &[slot], &others, effort)?));
+            out.push((slot, self.flown(self.scene.of[slot], &[slot], &others, goes_on)?));
         }
         Some(out)
     }
@@ -195,7 +198,7 @@ impl Analysis<'_> {
         kind: usize,
         slots: &[SlotId],
         others: &BTreeMap<usize, Vec<Configuration>>,
-        effort: &mut usize,
+        goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Vec<Configuration>> {
         let grids = self.scene.grids(kind, MAX_CELLS)?;
         let mut surroundings = Surroundings::new(&mut self.scene, &self.overall);
@@ -204,18 +207,18 @@ impl Analysis<'_> {
         }
         surroundings.tell_others(&self.scene, slots[0], others);
         let begins = slots.iter().flat_map(|slot| self.begins(*slot)).collect();
-        flights(self, &surroundings, slots, (&grids, begins), effort)
+        flights(self, &surroundings, slots, (&grids, begins), goes_on)
     }
 }
 
-/// The configurations of some slots that differ only in where they begin, told apart; takes its work from `effort`.
-/// `None` if there is not enough of it, or if the watch stops it.
+/// The configurations of some slots that differ only in where they begin, told apart. `None` if it does not go on, or
+/// if the watch stops it.
 fn flights<'a>(
     analysis: &'a Analysis<'a>,
     surroundings: &'a Surroundings,
     slots: &[SlotId],
     (grids, begins): (&'a [Grid], Vec<Configuration>),
-    effort: &mut usize,
+    goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<Configuration>> {
     let slot = slots[0];
     let stepper = analysis.stepper(slot);
@@ -248,8 +251,7 @@ fn flights<'a>(
             parts.iter_mut().filter_map(|part| std::mem::take(&mut part.is_due).then(|| placed(&part.at, part.x)));
         let due: Vec<Configuration> = due.collect();
         for at in due {
-            *effort = effort.checked_sub(1)?;
-            if analysis.watch.stop() {
+            if !goes_on() || analysis.watch.stop() {
                 return None;
             }
             flights.step((&course, number), at)?;

@@ -214,6 +214,15 @@ fn within_limits(
     analysis.finish()
 }
 
+/// Says yes so many times.
+pub fn at_most(mut times: usize) -> impl FnMut() -> bool {
+    move || {
+        let is_left = times > 0;
+        times = times.saturating_sub(1);
+        is_left
+    }
+}
+
 impl ConfigurationSpace {
     /// Adds a second analysis that distinguishes players by place, for runs on which the predicates never hold; it
     /// shows what they cannot reach step by step. Nothing changes if no player can be distinguished, or if there is too
@@ -246,14 +255,15 @@ impl ConfigurationSpace {
     }
 
     /// Adds a second analysis that tells players apart by the courses of their falls (`flights`), for runs on which the
-    /// predicates never hold. Nothing changes if that is not possible, or takes more than `effort` configurations.
+    /// predicates never hold. `goes_on` is asked before each configuration. Nothing changes if it says no, or if that is not
+    /// possible.
     #[must_use]
     pub fn by_flight(
         mut self,
         program: &Program,
         world: WorldId,
         predicates: &[ExprId],
-        mut effort: usize,
+        goes_on: &mut dyn FnMut() -> bool,
         watch: &dyn Watch,
     ) -> Self {
         let table = &*breakable::prepared(program, &program.worlds[world]);
@@ -261,7 +271,7 @@ impl ConfigurationSpace {
         let limits = (counter_bounds::limits(program, table), &KNOWN);
         let mut analysis = Analysis::new(Scene::new(program, table, watch), forbidden, limits, MAX_BRANCHES, watch);
         analysis.run();
-        let Some(found) = analysis.by_flight(&mut effort) else { return self };
+        let Some(found) = analysis.by_flight(goes_on) else { return self };
         let mut finer = analysis.finish();
         for (slot, configurations) in found {
             finer.slots[slot].configurations = configurations;

@@ -84,17 +84,18 @@ pub use shorten::shorten;
 pub use style::{Style, improve_style};
 pub use trail::{TileTrail, Trail};
 
-use crate::analysis::{ConfigurationSpace, endless, watched_space};
+use crate::analysis::{ConfigurationSpace, at_most, endless, watched_space};
 use crate::ir::ExprId;
 use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
 
 use monitor::monitored;
-use search::{Interlude, Pause, search_asking};
+use search::{GoOn, Interlude, Pause, search_asking};
 
 /// When a search pauses for a finer analysis, by place: an answer within them needs none.
 const BY_PLACE: Pause = Pause { nodes: 4_000, times: 1 };
-/// When it pauses for one by the courses of falls. What can be reached is come nearer to again and again.
+/// When it pauses for one by the courses of falls, which alternates with it. What can be reached is come nearer to again
+/// and again.
 const BY_FLIGHT: Pause = Pause { nodes: 24_000, times: 4 };
 
 /// Maximum number of configurations that are told apart by the courses of falls, while a search has found nothing, for
@@ -169,21 +170,26 @@ fn reach_monitored(
     };
     // The engine of the page has no room for more.
     #[cfg(feature = "ask")]
-    let proof_by_flight = |nodes: u64| -> Option<Proof> {
-        let effort = nodes.saturating_mul(if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS });
-        prove(whole.clone().by_flight(of, world, &nevers, effort as usize, watch))
+    let proof_by_flight = |goes_on: &mut dyn FnMut() -> bool| -> Option<Proof> {
+        prove(whole.clone().by_flight(of, world, &nevers, goes_on, watch))
     };
     #[cfg(not(feature = "ask"))]
-    let proof_by_flight = |_: u64| -> Option<Proof> { None };
-    // With how many nodes the courses of falls were asked for.
-    let mut most = 0;
-    let mut proof = None;
-    let mut closer_proof = |pause: Pause, nodes: u64| -> bool {
+    let proof_by_flight = |_: &mut dyn FnMut() -> bool| -> Option<Proof> { None };
+    let flights = |nodes: u64| nodes.saturating_mul(if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS });
+    let (mut proof, mut is_tried) = (None, false);
+    let mut closer_proof = |pause: Pause, go_on: &mut GoOn<'_>| -> bool {
         proof = match pause {
             BY_PLACE => prove(whole.clone().by_place(of, world, &nevers, watch)),
             _ => {
-                most = nodes;
-                proof_by_flight(nodes)
+                is_tried = true;
+                let (mut known, mut most) = (0, flights(pause.nodes));
+                proof_by_flight(&mut || {
+                    if known == most {
+                        most = go_on().map_or(most, flights);
+                    }
+                    known += 1;
+                    known <= most
+                })
             }
         };
         proof.is_some()
@@ -192,8 +198,8 @@ fn reach_monitored(
     let is_auto = settings.planner == Planner::Auto && limits.nodes > BY_PLACE.nodes;
     let interlude = is_auto.then_some(Interlude { pauses: &pauses, ends: &mut closer_proof });
     let outcome = search_asking(problem, space, settings, limits, watch, interlude)?;
-    if is_auto && proof.is_none() && outcome.is_open() && (settings.exhausts || most <= limits.nodes / 2) {
-        proof = proof_by_flight(limits.nodes);
+    if is_auto && proof.is_none() && !is_tried && outcome.is_open() {
+        proof = proof_by_flight(&mut at_most(flights(limits.nodes) as usize));
     }
     if let Some(proof) = proof {
         let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");

@@ -137,9 +137,12 @@ pub fn search(
 pub(super) struct Interlude<'i> {
     /// In order.
     pub pauses: &'i [Pause],
-    /// The question, with the number of nodes.
-    pub ends: &'i mut dyn FnMut(Pause, u64) -> bool,
+    /// The question.
+    pub ends: &'i mut dyn FnMut(Pause, &mut GoOn<'_>) -> bool,
 }
+
+/// Goes on with a search for a while; returns its number of nodes, or `None` once it cannot go on, or need not.
+pub(super) type GoOn<'g> = dyn FnMut() -> Option<u64> + 'g;
 
 /// When a search pauses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,20 +153,15 @@ pub(super) struct Pause {
     pub times: u64,
 }
 
-impl Interlude<'_> {
-    /// Whether the search ends after some nodes, of which so many took it nearest to the goal.
-    fn ends(&mut self, nodes: u64, nearest: u64) -> bool {
-        let due = self.pauses.split_first();
-        let due = due.filter(|(next, _)| next.nodes <= nodes && next.times.saturating_mul(nearest) <= nodes);
-        due.is_some_and(|(next, later)| {
-            self.pauses = later;
-            (self.ends)(*next, nodes)
-        })
+impl Pause {
+    /// Whether a search pauses after some nodes, of which so many took it nearest to the goal.
+    fn is_due(self, nodes: u64, nearest: u64) -> bool {
+        self.nodes <= nodes && self.times.saturating_mul(nearest) <= nodes
     }
 
-    /// The number of nodes until the next pause, at least.
-    fn left(&self, nodes: u64) -> Option<u64> {
-        self.pauses.first()?.nodes.checked_sub(nodes).filter(|left| *left > 0)
+    /// The number of nodes until then, at least.
+    fn left(self, nodes: u64) -> Option<u64> {
+        self.nodes.checked_sub(nodes).filter(|left| *left > 0)
     }
 }
 
@@ -240,7 +238,8 @@ fn search_monitored(
     };
     let trees: Vec<Box<dyn Searcher + '_>> = (0..settings.trees.max(1)).map(|tree| build.searcher(tree)).collect();
     let reads_between = reads_between(problem);
-    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between }.grow(interlude))
+    let nearest = (u32::MAX, 0);
+    Ok(ParallelSearch { trees, settings, limits, watch, fault, is_by_luck, reads_between, nearest }.grow(interlude))
 }
 
 /// Builds searchers.
@@ -455,66 +454,109 @@ struct ParallelSearch<'f, 'a> {
     is_by_luck: bool,
     /// Whether axis values between -1, 0 and 1 matter.
     reads_between: bool,
+    /// How near it has come to the goal, in places, and with how many nodes.
+    nearest: (u32, u64),
 }
 
+/// How a search ended, and in which tree; `None` without an answer.
+type Ended = (Option<Verdict>, End, usize);
+
 impl ParallelSearch<'_, '_> {
-    /// Grows all trees in rounds. In each round all grow equally, and the first tree in order with an answer wins, so
-    /// the result does not depend on timing.
+    /// Grows all trees in rounds.
     fn grow(mut self, mut interlude: Option<Interlude<'_>>) -> Outcome {
         if self.watch.stop() {
             return self.outcome(Verdict::NotFound, End::Stopped, 0);
         }
-        // How near it has come to the goal, and with how many nodes.
-        let mut nearest = (u32::MAX, 0);
-        loop {
-            let nodes: u64 = self.trees.iter().map(|t| t.nodes()).sum();
-            let left = self.limits.nodes.saturating_sub(nodes);
-            if left == 0 {
-                return self.unanswered(End::Nodes, 0);
-            }
+        let (verdict, end, tree) = loop {
+            let pause = interlude.as_ref().and_then(|interlude| interlude.pauses.first().copied());
             // What was found needs no proof that there is nothing.
-            interlude = interlude.filter(|_| !self.trees.iter().any(|tree| tree.has_found()));
-            if let Some(near) = self.trees.iter().filter_map(|tree| tree.nearest()).min().filter(|near| *near < nearest.0) {
-                nearest = (near, nodes);
-            }
-            if interlude.as_mut().is_some_and(|interlude| interlude.ends(nodes, nearest.1)) {
-                return self.unanswered(End::Stopped, 0);
-            }
-            let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
-            if bytes as u64 > self.limits.memory {
-                return self.unanswered(End::Memory, 0);
-            }
-            let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
-            self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
-            let pause = interlude.as_ref().and_then(|interlude| interlude.left(nodes));
-            let left = pause.map_or(left, |pause| left.min(pause));
-            let share = (left / self.trees.len() as u64).clamp(1, ROUND);
-            let endings = self.round(share);
-            let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));
-            for (tree, ending) in endings.into_iter().enumerate() {
-                match ending {
-                    Ending::Reached(plan) => return self.outcome(Verdict::Reached(plan), End::Answered, tree),
-                    Ending::Exhausted(found) => {
-                        let verdict = match self.reads_between {
-                            true => Verdict::Exhausted(found),
-                            false => Verdict::Unreachable(Argument::Exhaustion(found)),
-                        };
-                        // A start that ended in a run-time error, or by bad luck, might have led further.
-                        let is_open = self.fault.is_some() || self.is_by_luck;
-                        let verdict = if is_open { Verdict::NotFound } else { verdict };
-                        return self.outcome(verdict, End::Answered, tree);
+            let pause = pause.filter(|_| !self.has_found());
+            if let (Some(interlude), Some(pause)) = (&mut interlude, pause.filter(|pause| self.is_due(*pause))) {
+                interlude.pauses = &interlude.pauses[1..];
+                let mut ended = None;
+                let mut go_on = || {
+                    // Once it comes nearer to the goal, it needs no other answer until it is stuck again.
+                    while ended.is_none() {
+                        ended = self.advance(None);
+                        if self.has_found() || ended.is_some() {
+                            break;
+                        }
+                        if self.is_due(pause) {
+                            return Some(self.nodes());
+                        }
                     }
-                    Ending::Stopped => return self.unanswered(End::Stopped, tree),
-                    Ending::Paused | Ending::Spent => {}
+                    None
+                };
+                if (interlude.ends)(pause, &mut go_on) {
+                    break (None, End::Stopped, 0);
                 }
+                if let Some(ended) = ended {
+                    break ended;
+                }
+            } else if let Some(ended) = self.advance(pause) {
+                break ended;
             }
-            if is_spent {
-                return self.unanswered(End::Answered, 0);
-            }
-            if self.watch.stop() {
-                return self.unanswered(End::Stopped, 0);
+        };
+        match verdict {
+            Some(verdict) => self.outcome(verdict, end, tree),
+            None => self.unanswered(end, tree),
+        }
+    }
+
+    fn nodes(&self) -> u64 {
+        self.trees.iter().map(|tree| tree.nodes()).sum()
+    }
+
+    fn has_found(&self) -> bool {
+        self.trees.iter().any(|tree| tree.has_found())
+    }
+
+    fn is_due(&self, pause: Pause) -> bool {
+        pause.is_due(self.nodes(), self.nearest.1)
+    }
+
+    /// Grows all trees equally, until a pause at most; the first tree in order with an answer wins, so the result does not
+    /// depend on timing. Returns how the search ends, if it does.
+    fn advance(&mut self, pause: Option<Pause>) -> Option<Ended> {
+        let nodes = self.nodes();
+        let left = self.limits.nodes.saturating_sub(nodes);
+        if left == 0 {
+            return Some((None, End::Nodes, 0));
+        }
+        let bytes: usize = self.trees.iter().map(|t| t.bytes()).sum();
+        if bytes as u64 > self.limits.memory {
+            return Some((None, End::Memory, 0));
+        }
+        let places = self.trees.iter().map(|t| t.places()).max().unwrap_or(0);
+        self.watch.progress(Progress { nodes, budget: self.limits.nodes, places });
+        let left = pause.and_then(|pause| pause.left(nodes)).map_or(left, |pause| left.min(pause));
+        let share = (left / self.trees.len() as u64).clamp(1, ROUND);
+        let endings = self.round(share);
+        let is_spent = endings.iter().all(|e| matches!(e, Ending::Spent));
+        for (tree, ending) in endings.into_iter().enumerate() {
+            match ending {
+                Ending::Reached(plan) => return Some((Some(Verdict::Reached(plan)), End::Answered, tree)),
+                Ending::Exhausted(found) => {
+                    let verdict = match self.reads_between {
+                        true => Verdict::Exhausted(found),
+                        false => Verdict::Unreachable(Argument::Exhaustion(found)),
+                    };
+                    // A start that ended in a run-time error, or by bad luck, might have led further.
+                    let is_open = self.fault.is_some() || self.is_by_luck;
+                    return Some((Some(if is_open { Verdict::NotFound } else { verdict }), End::Answered, tree));
+                }
+                Ending::Stopped => return Some((None, End::Stopped, tree)),
+                Ending::Paused | Ending::Spent => {}
             }
         }
+        let near = self.trees.iter().filter_map(|tree| tree.nearest()).min();
+        if let Some(near) = near.filter(|near| *near < self.nearest.0) {
+            self.nearest = (near, self.nodes());
+        }
+        if is_spent {
+            return Some((None, End::Answered, 0));
+        }
+        self.watch.stop().then_some((None, End::Stopped, 0))
     }
 
     /// Grows each tree by `nodes` nodes, on as many threads as the settings and the system allow.

@@ -1,7 +1,7 @@
 //! Places that a player cannot reach although nothing blocks it: too high, too far, not with its abilities. With
 //! slightly more speed, height or width it can: the search finds a path.
 
-use hypedc::analysis::{ConfigurationSpace, configuration_space};
+use hypedc::analysis::{ConfigurationSpace, at_most, configuration_space};
 use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::{Limits, Problem, Settings, Verdict, search};
 use hypedc::sim::Simulator;
@@ -60,7 +60,7 @@ world W {{
 fn verdicts(text: &str) -> (bool, bool) {
     let program = program(compile_text(text));
     let space = configuration_space(&program, WorldId(0)).by_place(&program, WorldId(0), &[], &Unwatched);
-    let space = space.by_flight(&program, WorldId(0), &[], 40_000, &Unwatched);
+    let space = space.by_flight(&program, WorldId(0), &[], &mut at_most(40_000), &Unwatched);
     of_first_goal(&program, &space)
 }
 

@@ -1,6 +1,6 @@
 //! Random runs of a world, checked against its configuration space, with statistics.
 
-use hypedc::analysis::configuration_space;
+use hypedc::analysis::{at_most, configuration_space};
 use hypedc::ir::{Origin, Program, WorldId};
 use hypedc::reach::Monitor;
 use hypedc::sim::{Input, PlayerInput, Simulator};
@@ -43,7 +43,7 @@ pub fn run(program: &Arc<Program>, id: WorldId, steps: usize, seed: u64) -> Run 
     // The space also distinguishes players by place: the monitor checks both.
     let space = configuration_space(program, id).by_place(program, id, &[], &PollLimit::new(LOOKS_BY_PLACE));
     let is_by_place = !std::ptr::eq(space.finest(), &space);
-    let space = space.by_flight(program, id, &[], LOOKS_BY_FLIGHT, &PollLimit::new(LOOKS_BY_PLACE * 8));
+    let space = space.by_flight(program, id, &[], &mut at_most(LOOKS_BY_FLIGHT), &PollLimit::new(LOOKS_BY_PLACE * 8));
     let given_up = space.slots.iter().filter(|s| s.is_given_up).count();
     let mut run = Run { slots: space.slots.len(), given_up, is_by_place, ..Run::default() };
     let sim = Simulator::new(program, id);

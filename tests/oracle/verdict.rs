@@ -1,6 +1,6 @@
 //! Checks the verdicts on the goals of a tiny world against its reachable states.
 
-use hypedc::analysis::configuration_space;
+use hypedc::analysis::{at_most, configuration_space};
 use hypedc::compile::IdeCompilation;
 use hypedc::ir::{Program, WorldId};
 use hypedc::reach::{Limits, Planner, Problem, Settings, Target, Verdict, search};
@@ -81,7 +81,13 @@ fn questions(program: &Program, world: WorldId) -> Vec<(String, Target)> {
 
 fn analysed(program: &Program, world: WorldId, explored: &Explored, tally: &mut Tally) -> Result<(), String> {
     let space = configuration_space(program, world);
-    let space = space.by_place(program, world, &[], &Unwatched).by_flight(program, world, &[], 10_000, &Unwatched);
+    let space = space.by_place(program, world, &[], &Unwatched).by_flight(
+        program,
+        world,
+        &[],
+        &mut at_most(10_000),
+        &Unwatched,
+    );
     for ((name, target), way) in questions(program, world).into_iter().zip(&explored.ways) {
         // A `never` also counts outside of the bounds, about which the analysis claims nothing.
         let Target::Goal(goal) = target else { continue };

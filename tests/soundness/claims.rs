@@ -1,6 +1,8 @@
 //! The claims of the analysis about a world, and whether a state contradicts them.
 
-use hypedc::analysis::{ConfigurationSpace, InvariantVerdict, Spaces, invariants, watched_findings, watched_space};
+use hypedc::analysis::{
+    ConfigurationSpace, InvariantVerdict, Spaces, at_most, invariants, watched_findings, watched_space,
+};
 use hypedc::compile::Compilation;
 use hypedc::diagnostic::{Code, Diagnostics};
 use hypedc::ir::{Domain, EntityId, ExprId, GoalId, ModeId, NeverId, Program, World, WorldId};
@@ -95,7 +97,7 @@ impl Claims {
                 program,
                 world,
                 predicates,
-                10_000,
+                &mut at_most(10_000),
                 &poll_limit(),
             ),
         };

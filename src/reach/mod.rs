@@ -98,12 +98,12 @@ const BY_PLACE: Pause = Pause { nodes: 4_000, times: 1 };
 /// and again.
 const BY_FLIGHT: Pause = Pause { nodes: 24_000, times: 4 };
 
-/// Maximum number of configurations that are told apart by the courses of falls, while a search has found nothing, for
-/// each of its nodes: so both cost about the same; and where exhaustion is asked for.
-#[cfg(feature = "ask")]
+/// Maximum number of configurations that are told apart by the courses of falls, for each node of the budget: so both cost
+/// about the same; and where exhaustion is asked for.
 const FLIGHTS: u64 = 2;
-#[cfg(feature = "ask")]
 const FLIGHTS_EXHAUSTING: u64 = 20;
+/// The number of them for each node while the search is stuck.
+const FLIGHTS_WHEN_STUCK: u64 = 8;
 
 /// Asks the analysis whether the target can hold at all; if so, searches for a path to it. With the planner `auto`, a
 /// search that has found nothing for a while pauses for an analysis that distinguishes players by place.
@@ -175,17 +175,21 @@ fn reach_monitored(
     };
     #[cfg(not(feature = "ask"))]
     let proof_by_flight = |_: &mut dyn FnMut() -> bool| -> Option<Proof> { None };
-    let flights = |nodes: u64| nodes.saturating_mul(if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS });
+    let per_node = if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS };
+    let all_flights = limits.nodes.saturating_mul(per_node);
     let (mut proof, mut is_tried) = (None, false);
     let mut closer_proof = |pause: Pause, go_on: &mut GoOn<'_>| -> bool {
         proof = match pause {
             BY_PLACE => prove(whole.clone().by_place(of, world, &nevers, watch)),
             _ => {
                 is_tried = true;
-                let (mut known, mut most) = (0, flights(pause.nodes));
+                let per_node = per_node.max(FLIGHTS_WHEN_STUCK);
+                let mut most = pause.nodes.saturating_mul(per_node).min(all_flights);
+                let mut known = 0;
                 proof_by_flight(&mut || {
-                    if known == most {
-                        most = go_on().map_or(most, flights);
+                    if known == most && most < all_flights {
+                        let nodes = go_on().unwrap_or(0);
+                        most = most.max(nodes.saturating_mul(per_node)).min(all_flights);
                     }
                     known += 1;
                     known <= most
@@ -199,7 +203,7 @@ fn reach_monitored(
     let interlude = is_auto.then_some(Interlude { pauses: &pauses, ends: &mut closer_proof });
     let outcome = search_asking(problem, space, settings, limits, watch, interlude)?;
     if is_auto && proof.is_none() && !is_tried && outcome.is_open() {
-        proof = proof_by_flight(&mut at_most(flights(limits.nodes) as usize));
+        proof = proof_by_flight(&mut at_most(all_flights as usize));
     }
     if let Some(proof) = proof {
         let answer = Outcome::of(Verdict::Unreachable(Argument::Analysis(proof)), "analysis");

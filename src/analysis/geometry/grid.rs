@@ -102,8 +102,13 @@ impl Grid {
             let first = row * self.count(0);
             self.is_blocked.get(first + columns.start()..=first + columns.end()).unwrap_or_default()
         };
+        let rows = self.range(1, y);
+        let is_blocked = of(*rows.start()).first().copied().unwrap_or_default();
+        if rows.clone().all(|row| of(row).iter().all(|cell| *cell == is_blocked)) {
+            return vec![([x, y], is_blocked)];
+        }
         let mut out = Vec::new();
-        let rows: Vec<usize> = self.range(1, y).collect();
+        let rows: Vec<usize> = rows.collect();
         for rows in rows.chunk_by(|a, b| of(*a) == of(*b)) {
             let up = self.side(1, rows[0]).or(self.side(1, rows[rows.len() - 1]));
             let cells: Vec<(usize, bool)> = columns.clone().zip(of(rows[0]).iter().copied()).collect();

@@ -1,7 +1,7 @@
 //! Static obstacles near a position: possible contacts and the ends of pushes. The rest of the analysis treats the axes
 //! separately, which is enough unless positions are distinguished; by place, a floor counts only above it.
 
-use std::collections::BTreeMap;
+use hashbrown::HashMap;
 
 use crate::ir::{Extremes, LeafId, Push, SpaceId, TagSet, Touch};
 
@@ -122,7 +122,7 @@ pub(in crate::analysis) struct Surfaces {
     presences: Vec<Presence>,
     /// The size of each collider, px; zero for circles, and where anything is seen from across a seam.
     sizes: Vec<[f64; 2]>,
-    buckets: BTreeMap<(i64, i64), Vec<u32>>,
+    buckets: HashMap<(i64, i64), Vec<u32>>,
     /// Surfaces in too many buckets, which every query examines.
     long: Vec<u32>,
 }
@@ -218,17 +218,21 @@ impl Surfaces {
     /// The surfaces that can be touched from a box of positions.
     fn around(&self, at: [Interval; 2]) -> impl Iterator<Item = &Surface> {
         let [columns, rows] = at.map(buckets);
-        let mut numbers: Vec<u32> = if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
-            (0..self.all.len() as u32).collect()
+        let touches = |n: &u32| {
+            let is_near = |s: &Surface| (0..2).all(|axis| s.near[axis].and(at[axis]).is_some());
+            self.all.get(*n as usize).is_some_and(is_near)
+        };
+        let numbers: Vec<u32> = if span(columns).saturating_mul(span(rows)) > MAX_BUCKETS {
+            (0..self.all.len() as u32).filter(touches).collect()
         } else {
             let cells = (rows.0..=rows.1).flat_map(|row| (columns.0..=columns.1).map(move |column| (row, column)));
             let near = cells.filter_map(|cell| self.buckets.get(&cell)).flatten();
-            near.chain(&self.long).copied().collect()
+            let mut numbers: Vec<u32> = near.chain(&self.long).copied().filter(touches).collect();
+            numbers.sort_unstable();
+            numbers.dedup();
+            numbers
         };
-        numbers.sort_unstable();
-        numbers.dedup();
-        let touches = move |s: &&Surface| (0..2).all(|axis| s.near[axis].and(at[axis]).is_some());
-        numbers.into_iter().filter_map(|n| self.all.get(n as usize)).filter(touches)
+        numbers.into_iter().filter_map(|n| self.all.get(n as usize))
     }
 
     /// Where pushes of at most `far` px can end, for an instance in a box of positions with some active leaves.
@@ -260,9 +264,11 @@ impl Surfaces {
         leaves: &[LeafId],
     ) -> Vec<(usize, Interval, Interval)> {
         let mut out: Vec<(usize, Interval, Interval)> = Vec::new();
+        let is_pushing = |s: &&Surface| s.is_pushing && self.presences[s.body].is_there(leaves);
+        let around: Vec<&Surface> = self.around(at).filter(is_pushing).collect();
         for end in 0..2 {
             let first = out.len();
-            for surface in self.around(at).filter(|s| s.is_pushing && self.presences[s.body].is_there(leaves)) {
+            for surface in &around {
                 let Some(edge) = surface.edges[axis][end].filter(|_| surface.is_open[axis][end]) else { continue };
                 let from = match end {
                     0 => Interval { low: edge - far, high: edge },

@@ -469,6 +469,7 @@ fn times_have_units() {
     has(&["reach", HOLD, "--min-hold", "12"], 2, &["--min-hold", "write `12s` or `12frames`"]);
     has(&["reach", HOLD, "--hold", "12"], 2, &["--hold", "write `12s` or `12frames`"]);
     has(&["reach", HOLD, "--within", "soon"], 2, &["a time such as"]);
+    has(&["reach", HOLD, "--planner", "rrt", "--exhaust"], 2, &["`--exhaust` goes on from `auto`"]);
     has(&["reach", HOLD, "--min-hold", "99999999frames"], 2, &["`--min-hold` is at most 65535 steps"]);
     has(&["reach", HOLD, "--within", "500ms"], 1, &["proven unreachable within 30 steps", "it takes at least"]);
     has(&["reach", HOLD, "--within", "100000frames", "--hold", "10..20frames", "--seconds", "5"], 0, &["reached"]);

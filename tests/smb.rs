@@ -5,6 +5,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use rand::Rng;
 use rand_pcg::Pcg32;
@@ -14,10 +15,10 @@ use hypedc::analysis::{ConfigurationSpace, at_most, configuration_space, watched
 use hypedc::compile::{LevelFile, compile_with};
 use hypedc::ir::{GoalId, Origin, Program, SlotId, VarId, WorldId};
 use hypedc::reach::query::{Query, Session};
-use hypedc::reach::{Limits, Monitor, Planner, Problem, Settings, Target, Verdict, reach};
+use hypedc::reach::{Argument, Limits, Monitor, Planner, Problem, Settings, Target, Verdict, reach};
 use hypedc::sim::{Script, Simulator};
 use hypedc::source::{Files, ReadError};
-use hypedc::watch::Unwatched;
+use hypedc::watch::{Progress, Unwatched, Watch};
 
 const WORLD: WorldId = WorldId(0);
 const ROOT: &str = "examples/smb/smb.hyped";
@@ -296,6 +297,33 @@ fn a_gap_that_no_jump_crosses_is_proven() {
 #[test]
 fn a_gap_among_enemies_is_proven() {
     assert!(is_ruled_out(&gap(20, true)));
+}
+
+/// The most nodes that a search has had.
+#[derive(Default)]
+struct MostNodes(AtomicU64);
+
+impl Watch for MostNodes {
+    fn stop(&self) -> bool {
+        false
+    }
+
+    fn progress(&self, progress: Progress) {
+        self.0.fetch_max(progress.nodes, Ordering::Relaxed);
+    }
+}
+
+/// A search that comes no nearer to the goal has its answer long before its nodes are spent.
+#[test]
+fn a_search_that_is_stuck_ends_with_the_analysis_of_falls() {
+    let program = gap(20, true);
+    let sim = Simulator::new(&program, WORLD);
+    let (problem, space) = (Problem::new(&sim, GoalId(0)), configuration_space(&program, WORLD));
+    let (settings, limits, watch) = (Settings::default(), Limits::default(), MostNodes::default());
+    let verdict = reach(&problem, &space, &settings, &limits, &watch).unwrap().verdict;
+    assert!(matches!(verdict, Verdict::Unreachable(Argument::Analysis(_))), "{verdict:?}");
+    let most = watch.0.into_inner();
+    assert!(most < limits.nodes / 2, "{most} nodes");
 }
 
 /// A level with a wall of some tiles on flat ground. What stands at the left edge of the picture is no tile.

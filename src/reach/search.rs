@@ -631,6 +631,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_pause_is_due_after_its_nodes_and_where_the_search_is_stuck() {
+        let pause = Pause { nodes: 1_000, times: 4 };
+        assert_eq!([0, 999].map(|nodes| pause.is_due(nodes, 0)), [false; 2]);
+        assert!(pause.is_due(1_000, 250) && !pause.is_due(1_000, 251) && pause.is_due(1_004, 251));
+        assert_eq!([0, 999, 1_000, 2_000].map(|nodes| pause.left(nodes)), [Some(1_000), Some(1), None, None]);
+    }
+
+    #[test]
     fn holds_begin_at_the_minimum_and_vary() {
         for planner in Planner::ALL {
             assert_eq!(default_hold(planner, 1), planner.hold());

@@ -375,7 +375,7 @@ pub(in crate::cli) struct ReachArgs {
     /// Begins in the state that an input script leads to; can be given several times.
     #[arg(long, value_name = "SCRIPT", allow_hyphen_values = true, help_heading = "The question")]
     pub after: Vec<String>,
-    /// Visits all states if the search has found nothing: at most 20 for each node, in 20 to 30 bytes each. Instances that
+    /// Visits all states if `auto` has found nothing: at most 20 for each node, in 20 to 30 bytes each. Instances that
     /// cannot help are left out.
     #[arg(long, help_heading = "The search")]
     pub exhaust: bool,

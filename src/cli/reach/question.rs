@@ -164,6 +164,10 @@ fn settings(args: &ReachArgs, world: &World, min_hold: u16) -> Result<Settings, 
         let why = format!("`--hold` is at most {high} steps, `--min-hold` at least {min_hold}");
         return Err(Refusal::Plain(why));
     }
+    if args.exhaust && planner != Planner::Auto {
+        let why = format!("`--exhaust` goes on from `auto`, not from `{}`", planner.name());
+        return Err(Refusal::Plain(why));
+    }
     Ok(Settings {
         seed: args.seed,
         planner,

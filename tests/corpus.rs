@@ -207,7 +207,7 @@ fn a_run_that_is_killed_goes_on() {
 fn a_run_that_is_interrupted_says_how_to_go_on() {
     let place = TestFolder::new("interrupted");
     place.write("levels/a.txt", LEVELS[0].1);
-    let of = "--map levels --goal out --nodes 1000000000 --planner coverage --results rows.jsonl";
+    let of = "--map levels --goal out --nodes 1000000000 --planner coverage --results rows.jsonl --threads 1";
     let child = place.command(of).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     // `c` never ends.
     let lines = || std::fs::read(place.0.join("rows.jsonl")).map_or(0, |t| t.iter().filter(|b| **b == b'\n').count());

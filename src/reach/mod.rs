@@ -46,6 +46,7 @@ pub mod query;
 mod region;
 mod restriction;
 pub mod robust;
+mod rounds;
 mod sampler;
 mod search;
 mod search_context;
@@ -90,7 +91,8 @@ use crate::sim::Fault;
 use crate::watch::{Meter, Watch};
 
 use monitor::monitored;
-use search::{GoOn, Interlude, Pause, search_asking};
+use rounds::{GoOn, Interlude, Pause};
+use search::search_asking;
 
 /// When a search pauses for a finer analysis, by place: an answer within them needs none.
 const BY_PLACE: Pause = Pause { nodes: 4_000, times: 1 };

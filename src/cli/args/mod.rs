@@ -425,7 +425,7 @@ pub(in crate::cli) struct ReachArgs {
     /// Maximum time for each goal, s; for the first one, the analysis of the world included.
     #[arg(long, value_name = "S", value_parser = seconds, help_heading = "The budget")]
     pub seconds: Option<f64>,
-    /// Maximum memory for trees, MiB.
+    /// Maximum memory for the trees of a search, MiB.
     #[arg(long, value_name = "MIB", default_value_t = 2048, help_heading = "The budget")]
     pub memory: u64,
     /// As text for people, or as JSON.

@@ -16,7 +16,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ir::{Expr, ExprId, Extremes, LeafId, Origin, SlotId, Subject, VarId};
+use crate::ir::{EntityId, Expr, Extremes, LeafId, Origin, SlotId, Subject, VarId};
 
 use crate::analysis::domain::configuration::Configuration;
 use crate::analysis::domain::values::{Interval, Values};
@@ -129,6 +129,10 @@ impl Analysis<'_> {
         for slot in &players {
             met.extend(Surroundings::asked_kinds(&self.scene, *slot));
         }
+        let is_player = |slot: SlotId| self.world.slots[slot].player.is_some();
+        let named = self.program.with_operands(self.forbidden.predicates.to_vec()).into_iter();
+        let mut named = named.filter_map(|id| self.program.exprs[id].subject());
+        let names_others = named.any(|of| matches!(of, Subject::Slot(slot) if !is_player(slot)));
         let mut others: BTreeMap<usize, Vec<Configuration>> = BTreeMap::new();
         for kind in met {
             let slots = self.scene.kinds[kind].slots.clone();
@@ -136,9 +140,10 @@ impl Analysis<'_> {
             if live.iter().any(|slot| !self.begins_once(*slot)) {
                 continue;
             }
+            let can_be_alike = !names_others && !self.looks_around(self.scene.kinds[kind].entity);
             let mut groups: Vec<Vec<SlotId>> = Vec::new();
             for slot in live {
-                match groups.iter_mut().find(|group| self.are_alike(group[0], slot)) {
+                match groups.iter_mut().find(|group| can_be_alike && self.are_alike(group[0], slot)) {
                     Some(group) => group.push(slot),
                     None => groups.push(vec![slot]),
                 }
@@ -161,34 +166,22 @@ impl Analysis<'_> {
             && (begun.origin == Origin::Named || (begun.origin == Origin::Tile && !is_spawned))
     }
 
-    /// Whether two slots of a kind differ only in where they begin, and nothing tells them from each other.
+    /// Whether instances of an entity look for others: none finds itself.
+    fn looks_around(&self, entity: EntityId) -> bool {
+        let asked = self.program.with_operands(self.program.entities[entity].exprs());
+        asked.iter().any(|id| matches!(self.program.exprs[*id], Expr::Probe { .. } | Expr::Nearest { .. }))
+    }
+
+    /// Whether two slots of a kind differ only in where they begin, if nothing tells them from each other.
     fn are_alike(&self, a: SlotId, b: SlotId) -> bool {
         let [one, other] = [a, b].map(|slot| &self.world.slots[slot]);
         let [known, also] = [a, b].map(|slot| &self.overall[slot]);
-        // What sees others does not see itself.
-        let asked = self.program.with_operands(self.program.entities[one.entity].exprs());
-        let looks = |id: &ExprId| matches!(self.program.exprs[*id], Expr::Probe { .. } | Expr::Nearest { .. });
         one.origin == Origin::Tile
             && other.origin == Origin::Tile
             && one.timer_limits == other.timer_limits
             && self.limits[a] == self.limits[b]
             && known.params == also.params
             && known.spaces == also.spaces
-            && self.forbidden.predicates.iter().all(|predicate| self.is_about_players(*predicate))
-            && !asked.iter().any(looks)
-    }
-
-    /// Whether a predicate names no instance but players.
-    fn is_about_players(&self, predicate: ExprId) -> bool {
-        let is_player = |of: Subject| match of {
-            Subject::Slot(slot) => self.world.slots[slot].player.is_some(),
-            _ => true,
-        };
-        self.program.with_operands(vec![predicate]).into_iter().all(|id| match self.program.exprs[id] {
-            Expr::Param(of, _) | Expr::Var(of, ..) | Expr::Discrete(of, _) | Expr::InMode(of, _) => is_player(of),
-            Expr::Alive(slot) => is_player(Subject::Slot(slot)),
-            _ => true,
-        })
     }
 
     /// The configurations of some slots of a kind, which differ only in where they begin, told apart, among others that

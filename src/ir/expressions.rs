@@ -53,6 +53,46 @@ impl Entity {
     }
 }
 
+impl Expr {
+    /// The instance that an expression reads.
+    pub fn subject(self) -> Option<Subject> {
+        match self {
+            Expr::Param(of, _)
+            | Expr::Var(of, ..)
+            | Expr::Discrete(of, _)
+            | Expr::Touching(of, _)
+            | Expr::IsNone(of)
+            | Expr::Is(of, _)
+            | Expr::InMode(of, _)
+            | Expr::InSpace(of, _)
+            | Expr::Near { of, .. }
+            | Expr::Distance { of, .. } => Some(of),
+            Expr::Alive(slot) => Some(Subject::Slot(slot)),
+            Expr::Count { of, .. } | Expr::Nearest { of, .. } => Some(Subject::Member(of)),
+            Expr::Number(_)
+            | Expr::Frames(_)
+            | Expr::Bool(_)
+            | Expr::Axis(_)
+            | Expr::Chance(_)
+            | Expr::Timer(_)
+            | Expr::Negate(_)
+            | Expr::Arithmetic(..)
+            | Expr::Call(..)
+            | Expr::Compare(..)
+            | Expr::And(..)
+            | Expr::Or(..)
+            | Expr::Not(_)
+            | Expr::Button(..)
+            | Expr::Probe { .. }
+            | Expr::Joint(..)
+            | Expr::Received(_)
+            | Expr::Sum(_)
+            | Expr::Broken(_)
+            | Expr::Tiles(_) => None,
+        }
+    }
+}
+
 impl Program {
     /// Whether a probe asks for something with some tags.
     pub fn is_probed(&self, tags: TagSet) -> bool {

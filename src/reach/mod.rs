@@ -107,6 +107,20 @@ const FLIGHTS_EXHAUSTING: u64 = 20;
 /// The number of them for each node while the search is stuck.
 const FLIGHTS_WHEN_STUCK: u64 = 8;
 
+/// Says yes so many times for each node of a search, which goes on whenever that is used up, and so many times at most.
+fn alternating<'g>(nodes: u64, go_on: &'g mut GoOn<'_>, per_node: u64, most: u64) -> impl FnMut() -> bool + 'g {
+    let (mut used, mut granted) = (0, nodes.saturating_mul(per_node).min(most));
+    move || {
+        if used == granted && granted < most {
+            let nodes = go_on().unwrap_or(0);
+            granted = granted.max(nodes.saturating_mul(per_node)).min(most);
+        }
+        let is_granted = used < granted;
+        used += u64::from(is_granted);
+        is_granted
+    }
+}
+
 /// Asks the analysis whether the target can hold at all; if so, searches for a path to it. With the planner `auto`, a
 /// search that has found nothing for a while pauses for an analysis that distinguishes players by place.
 ///
@@ -186,16 +200,7 @@ fn reach_monitored(
             _ => {
                 is_tried = true;
                 let per_node = per_node.max(FLIGHTS_WHEN_STUCK);
-                let mut most = pause.nodes.saturating_mul(per_node).min(all_flights);
-                let mut known = 0;
-                proof_by_flight(&mut || {
-                    if known == most && most < all_flights {
-                        let nodes = go_on().unwrap_or(0);
-                        most = most.max(nodes.saturating_mul(per_node)).min(all_flights);
-                    }
-                    known += 1;
-                    known <= most
-                })
+                proof_by_flight(&mut alternating(pause.nodes, go_on, per_node, all_flights))
             }
         };
         proof.is_some()

@@ -4,6 +4,7 @@
 use std::sync::Mutex;
 use std::thread;
 
+use crate::parallel;
 use crate::sim::Fault;
 use crate::watch::{Progress, Watch};
 
@@ -23,7 +24,8 @@ pub(super) struct Interlude<'i> {
     pub ends: &'i mut dyn FnMut(Pause, &mut GoOn<'_>) -> bool,
 }
 
-/// Goes on with a search for a while; returns its number of nodes, or `None` once it cannot go on, or need not.
+/// Goes on with a search for a while; returns its number of nodes, all of the budget once it has ended without an answer, or
+/// `None` if it has one, or was stopped.
 pub(super) type GoOn<'g> = dyn FnMut() -> Option<u64> + 'g;
 
 /// When a search pauses.
@@ -81,16 +83,14 @@ impl ParallelSearch<'_, '_> {
                 let mut ended = None;
                 let mut go_on = || {
                     // Once it comes nearer to the goal, it needs no other answer until it is stuck again.
-                    while ended.is_none() {
+                    while ended.is_none() && !self.has_found() {
                         ended = self.advance(None);
-                        if self.has_found() || ended.is_some() {
-                            break;
-                        }
-                        if self.is_due(pause) {
+                        if ended.is_none() && !self.has_found() && self.is_due(pause) {
                             return Some(self.nodes());
                         }
                     }
-                    None
+                    let is_unanswered = matches!(ended, Some((None, End::Nodes | End::Memory | End::Answered, _)));
+                    is_unanswered.then_some(self.limits.nodes)
                 };
                 if (interlude.ends)(pause, &mut go_on) {
                     break (None, End::Stopped, 0);
@@ -171,7 +171,7 @@ impl ParallelSearch<'_, '_> {
             return self.trees.iter_mut().map(|tree| tree.advance(nodes)).collect();
         }
         // More threads than cores do not help.
-        let threads = threads.min(thread::available_parallelism().map_or(1, usize::from).max(2));
+        let threads = threads.min(parallel::threads(None).max(2));
         let mut endings: Vec<Option<Ending>> = self.trees.iter().map(|_| None).collect();
         let tasks = Mutex::new(self.trees.iter_mut().zip(&mut endings));
         let grow = || {
@@ -234,6 +234,66 @@ impl ParallelSearch<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::watch::Unwatched;
+
+    /// A searcher that has nothing left to try after some nodes.
+    struct Limited {
+        nodes: u64,
+        most: u64,
+    }
+
+    impl Searcher for Limited {
+        fn advance(&mut self, nodes: u64) -> Ending {
+            self.nodes += nodes;
+            if self.nodes < self.most { Ending::Paused } else { Ending::Spent }
+        }
+
+        fn nodes(&self) -> u64 {
+            self.nodes
+        }
+
+        fn work(&self) -> u64 {
+            self.nodes
+        }
+
+        fn places(&self) -> u64 {
+            0
+        }
+
+        fn report(&self, _notes: &mut Notes) {}
+
+        fn bytes(&self) -> usize {
+            0
+        }
+
+        fn planner(&self) -> &'static str {
+            "limited"
+        }
+    }
+
+    #[test]
+    fn a_question_has_the_whole_budget_once_the_search_has_ended_without_an_answer() {
+        let (settings, limits) = (Settings::default(), Limits { nodes: 10_000, ..Limits::default() });
+        let mut seen = Vec::new();
+        let mut ends = |_: Pause, go_on: &mut GoOn<'_>| {
+            seen.extend((0..6).map_while(|_| go_on()));
+            false
+        };
+        let pauses = [Pause { nodes: 1_000, times: 1 }];
+        let search = ParallelSearch {
+            trees: vec![Box::new(Limited { nodes: 0, most: 2_100 })],
+            settings: &settings,
+            limits: &limits,
+            watch: &Unwatched,
+            fault: None,
+            is_by_luck: false,
+            reads_between: false,
+            nearest: (u32::MAX, 0),
+        };
+        let outcome = search.grow(Some(Interlude { pauses: &pauses, ends: &mut ends }));
+        assert_eq!((outcome.verdict, outcome.end), (Verdict::NotFound, End::Answered));
+        assert_eq!(seen, [1_512, 2_024, 10_000, 10_000, 10_000, 10_000]);
+    }
 
     #[test]
     fn a_pause_is_due_after_its_nodes_and_where_the_search_is_stuck() {

@@ -10,6 +10,8 @@ use std::thread;
 
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 
+use crate::parallel;
+
 /// The number that stands for what does not change.
 const UNCHANGED: u8 = 255;
 /// Maximum number of threads that pack; more would wait for the painting.
@@ -40,7 +42,7 @@ pub(super) fn packed<R>(size: (usize, usize), add: impl FnOnce(&mut Pictures) ->
     let (to_pack, jobs) = sync_channel::<Numbered>(MAX_WAITING);
     let (result, packed) = channel::<Numbered>();
     let jobs = Mutex::new(jobs);
-    let threads = thread::available_parallelism().map_or(1, |count| count.get().min(MAX_THREADS));
+    let threads = parallel::threads(None).min(MAX_THREADS);
     thread::scope(|scope| {
         for _ in 0..threads {
             let (jobs, result) = (&jobs, result.clone());

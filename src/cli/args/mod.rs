@@ -408,8 +408,8 @@ pub(in crate::cli) struct ReachArgs {
     /// The number of trees that grow side by side, each with its own seed.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub trees: u16,
-    /// The number of threads that grow the trees, or of levels that are searched in parallel; the result does not depend
-    /// on it [default: the number of cores].
+    /// The number of threads for trees, levels, points of a sweep, plays and exhaustion; the result does not depend on it
+    /// [default: the number of cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "The search")]
     pub threads: Option<u16>,
     /// The seed: the same seed gives the same search.

@@ -45,7 +45,7 @@ impl<'a> Independence<'a> {
                     slots.extend(world.slots.pairs().filter(|(_, slot)| slot.entity == of).map(|(id, _)| id));
                 }
                 expr => {
-                    if let Some(Subject::Slot(slot)) = subject(expr) {
+                    if let Some(Subject::Slot(slot)) = expr.subject() {
                         slots.push(slot);
                     }
                 }
@@ -125,7 +125,7 @@ impl<'a> Independence<'a> {
                     let program = self.program;
                     self.add(|of| program.entities[of].colliders.iter().any(|c| c.tags.meets(tags)));
                 }
-                expr => subjects.extend(subject(expr)),
+                expr => subjects.extend(expr.subject()),
             }
         }
         let needs = entity.edges.iter().flat_map(|edge: &Edge| &edge.needs);
@@ -189,44 +189,6 @@ impl<'a> Independence<'a> {
         let by = |touch: &Touch| others.iter().copied().filter(|other| meets(touch, *other)).collect::<Vec<_>>();
         let all = entity.touches.pairs().map(|(id, touch)| (id, *touch, by(touch)));
         all.filter(|(.., by)| !by.is_empty()).collect()
-    }
-}
-
-/// The instance that an expression reads.
-fn subject(expr: Expr) -> Option<Subject> {
-    match expr {
-        Expr::Param(of, _)
-        | Expr::Var(of, ..)
-        | Expr::Discrete(of, _)
-        | Expr::Touching(of, _)
-        | Expr::IsNone(of)
-        | Expr::Is(of, _)
-        | Expr::InMode(of, _)
-        | Expr::InSpace(of, _)
-        | Expr::Near { of, .. }
-        | Expr::Distance { of, .. } => Some(of),
-        Expr::Alive(slot) => Some(Subject::Slot(slot)),
-        Expr::Count { of, .. } | Expr::Nearest { of, .. } => Some(Subject::Member(of)),
-        Expr::Number(_)
-        | Expr::Frames(_)
-        | Expr::Bool(_)
-        | Expr::Axis(_)
-        | Expr::Chance(_)
-        | Expr::Timer(_)
-        | Expr::Negate(_)
-        | Expr::Arithmetic(..)
-        | Expr::Call(..)
-        | Expr::Compare(..)
-        | Expr::And(..)
-        | Expr::Or(..)
-        | Expr::Not(_)
-        | Expr::Button(..)
-        | Expr::Probe { .. }
-        | Expr::Joint(..)
-        | Expr::Received(_)
-        | Expr::Sum(_)
-        | Expr::Broken(_)
-        | Expr::Tiles(_) => None,
     }
 }
 

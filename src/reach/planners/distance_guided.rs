@@ -7,6 +7,9 @@
 //! goal (`distance.rs`) plus a penalty per choice, and the cheapest place is extended. So an open path is followed at
 //! once; at an obstacle, the places before it are tried again and again, farther and farther back.
 //!
+//! Where players can rest (in modes in which they were seen to stay where they are) is worth more choices than where they
+//! fly past, and what leaves a rest is extended further until it comes to the next one: a jump is tried as a whole.
+//!
 //! With a time limit, the cost is the number of steps to the place plus a lower bound of the rest, as in a weighted A*
 //! (Pohl 1970), and of the nodes with a similar velocity at a place only the earliest are kept, as the archive of
 //! Ecoffet et al. keeps the shortest path to each cell.
@@ -14,10 +17,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use hashbrown::HashMap;
+use hashbrown::{HashMap, HashSet};
 use rand::RngExt;
 
-use crate::reach::coverage::PLACE;
+use crate::reach::coverage::{PLACE, mix};
 use crate::reach::distance::DistanceField;
 use crate::reach::metric::{Metric, Point};
 use crate::reach::problem::Problem;
@@ -29,9 +32,12 @@ use super::Guidance;
 use super::cells::Cells;
 use super::player_cells::PlayerCells;
 
-/// Cost of a place per place on the path to the goal, and per choice.
-const DISTANCE: u64 = 4;
+/// Cost of a place per place on the path to the goal, and per choice, where players can rest and elsewhere.
+const DISTANCE: u64 = 8;
 const CHOSEN: u64 = 1;
+const CHOSEN_IN_FLIGHT: u64 = 4;
+/// Maximum number of further extensions until a rest.
+const FURTHER: u32 = 8;
 /// With a time limit: weight of the remaining steps, in quarters, and cost per choice; the steps to the place have
 /// weight 1.
 const REST: u64 = 6;
@@ -55,6 +61,18 @@ struct Estimate {
     rest: u32,
     /// Minimum number of steps to it so far.
     soonest: u32,
+    /// The modes of the players there.
+    modes: u64,
+}
+
+/// What was extended last, to be extended further.
+#[derive(Debug, Clone, Copy)]
+struct Flight {
+    node: NodeId,
+    /// The place that it left.
+    from: u32,
+    /// Number of extensions left.
+    left: u32,
 }
 
 /// A strategy that extends the places nearest to the goal.
@@ -70,6 +88,11 @@ pub struct DistanceGuided<'m> {
     queue: BinaryHeap<Queued>,
     /// The least distance of a place of this tree.
     nearest: u32,
+    /// The modes in which players were seen to rest.
+    restful: HashSet<u64>,
+    flight: Option<Flight>,
+    /// The point of a node before.
+    before: Point,
 }
 
 impl<'m> DistanceGuided<'m> {
@@ -83,6 +106,9 @@ impl<'m> DistanceGuided<'m> {
             soonest: HashMap::default(),
             queue: BinaryHeap::new(),
             nearest: u32::MAX,
+            restful: HashSet::default(),
+            flight: None,
+            before: Point::default(),
         }
     }
 
@@ -97,8 +123,9 @@ impl<'m> DistanceGuided<'m> {
         self.cells.remove(node);
     }
 
-    fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point) {
-        let keys = self.players.keys(context, point, PLACE);
+    fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point, from: Option<NodeId>) {
+        let modes = self.players.modes(point);
+        let keys = self.players.keys(context, point, PLACE).map(|key| mix(key, modes));
         let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
         if is_timed {
             let soonest = self.soonest.entry(keys[1]).or_insert(depth);
@@ -107,12 +134,13 @@ impl<'m> DistanceGuided<'m> {
             }
             *soonest = depth.min(*soonest);
         }
+        let is_rest = self.is_rest(context, modes, point, from);
         let (place, is_new) = self.cells.add(node, &keys);
         if place as usize >= self.estimates.len() {
             let estimates = self.distances.map_or(Estimate::default(), |distances| {
                 let (sim, state) = (context.problem.sim, context.reached());
                 let (places, rest) = (distances.of(sim, state), distances.least_steps(sim, state));
-                Estimate { places, rest, soonest: depth }
+                Estimate { places, rest, soonest: depth, modes }
             });
             self.nearest = self.nearest.min(estimates.places);
             self.estimates.resize(place as usize + 1, estimates);
@@ -123,6 +151,27 @@ impl<'m> DistanceGuided<'m> {
         if is_new || is_sooner {
             self.enqueue(context, place);
         }
+        let flight = self.flight.take().filter(|flight| Some(flight.node) == from && flight.left > 0 && !is_timed);
+        self.flight = flight
+            .filter(|flight| !is_rest || place == flight.from)
+            .map(|flight| Flight { node, left: flight.left - 1, ..flight });
+    }
+
+    /// Whether players can rest in the modes of the node that was added last: they were seen to, or have just done so.
+    fn is_rest(&mut self, context: &mut SearchContext<'_>, modes: u64, point: &Point, from: Option<NodeId>) -> bool {
+        if self.restful.contains(&modes) {
+            return true;
+        }
+        let Some(from) = from.filter(|_| self.players.are_still(point)) else { return false };
+        context.point(from, &mut self.before);
+        let is_rest = self.players.are_in_place(point, &self.before);
+        if is_rest {
+            self.restful.insert(modes);
+            // The costs of some places are lower now.
+            let open = self.cells.first().to_vec();
+            open.into_iter().for_each(|place| self.enqueue(context, place));
+        }
+        is_rest
     }
 
     fn cost(&self, place: u32, is_timed: bool) -> u64 {
@@ -131,7 +180,8 @@ impl<'m> DistanceGuided<'m> {
         if is_timed {
             u64::from(estimates.soonest) + u64::from(estimates.rest) * REST / 4 + chosen * CHOSEN_TIMED
         } else {
-            u64::from(estimates.places) * DISTANCE + chosen * CHOSEN
+            let per_choice = if self.restful.contains(&estimates.modes) { CHOSEN } else { CHOSEN_IN_FLIGHT };
+            u64::from(estimates.places) * DISTANCE + chosen * per_choice
         }
     }
 
@@ -151,10 +201,24 @@ impl<'m> DistanceGuided<'m> {
         }
         None
     }
+
+    /// An untried input of a node, which is forgotten with the last one.
+    fn draw(&mut self, context: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
+        let choice = context.draw_untried_holding(node);
+        if context.tree.untried(node) == 0 {
+            self.cells.remove(node);
+        }
+        choice
+    }
 }
 
 impl Strategy for DistanceGuided<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
+        if let Some(flight) = self.flight
+            && let Some(choice) = self.draw(context, flight.node)
+        {
+            return Some(choice);
+        }
         let place = if context.rng.random_ratio(1, RANDOM_ONE_IN) {
             let open = self.cells.first();
             if open.is_empty() {
@@ -168,17 +232,16 @@ impl Strategy for DistanceGuided<'_> {
         let inner = self.cells.draw(context, self.cells.inside(place))?;
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
-        let choice = context.draw_untried_holding(node);
-        if context.tree.untried(node) == 0 {
-            self.cells.remove(node);
-        }
+        let choice = self.draw(context, node);
+        self.flight = Some(Flight { node, from: place, left: FURTHER });
         if !self.cells.inside(place).is_empty() {
             self.enqueue(context, place);
         }
         choice
     }
 
-    fn learn(&mut self, context: &mut SearchContext<'_>, _choice: Option<Choice>, growth: Growth<'_>) {
+    fn learn(&mut self, context: &mut SearchContext<'_>, choice: Option<Choice>, growth: Growth<'_>) {
+        let from = choice.map(|choice| choice.node);
         match growth {
             Growth::Rooted(root, point) => {
                 self.cells.clear();
@@ -186,10 +249,11 @@ impl Strategy for DistanceGuided<'_> {
                 self.soonest.clear();
                 self.queue.clear();
                 self.nearest = u32::MAX;
-                self.add(context, root, point);
+                self.flight = None;
+                self.add(context, root, point, None);
             }
-            Growth::Added(node, point) => self.add(context, node, point),
-            Growth::Failed | Growth::Late => {}
+            Growth::Added(node, point) => self.add(context, node, point, from),
+            Growth::Failed | Growth::Late => self.flight = self.flight.filter(|flight| Some(flight.node) != from),
         }
     }
 

@@ -141,6 +141,17 @@ fn ways_are_exchanged() {
     }
 }
 
+/// Up a tower of twenty rooms, where single extensions from all places between the ledges found no way out of the first ones.
+#[test]
+fn a_tower_is_climbed_jump_by_jump() {
+    let map = Some(Path::new("examples/mega-man/megaman_1_3.txt"));
+    let level = LevelFile { map, ..LevelFile::default() };
+    let program = program(compile_with(Path::new("examples/mega-man/mega_man.hyped"), level, &Disk));
+    for seed in 1..=3 {
+        assert!(find(&program, "end", (seed, 60_000), Planner::DistanceGuided).is_some(), "{seed}");
+    }
+}
+
 #[test]
 fn a_beam_that_is_stuck_gives_way_to_a_wider_one() {
     let program = program(compile(Path::new("examples/platforms.hyped"), &Disk));

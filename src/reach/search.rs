@@ -223,7 +223,8 @@ impl<'a> Builder<'_, 'a> {
         match self.settings.planner.method() {
             Method::Portfolio => {
                 let (planner, hold) = (Planner::DistanceGuided, self.settings.hold);
-                let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
+                // Both of its rules hold as coverage does.
+                let hold = hold.unwrap_or_else(|| default_hold(Planner::Coverage, self.problem.min_hold()));
                 let led = |distances: Option<&'a DistanceField>| {
                     let strategy = blended(self.problem, self.measures.0, Guidance { distances, ..self.guidance });
                     self.sampler(planner, strategy, (tree, hold), (self.restart(distances), false))

@@ -36,7 +36,7 @@ impl<'m> Blended<'m> {
     /// A strategy for a problem, with what leads to its goal.
     pub fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Self {
         Blended {
-            by_distance: DistanceGuided::new(problem, metric, guidance),
+            by_distance: DistanceGuided::by_places(problem, metric, guidance),
             by_coverage: CoverageGuided::new(metric, guidance.margins),
             has_distances: guidance.distances.is_some(),
             is_by_distance: true,

@@ -7,8 +7,9 @@
 //! goal (`distance.rs`) plus a penalty per choice, and the cheapest place is extended. So an open path is followed at
 //! once; at an obstacle, the places before it are tried again and again, farther and farther back.
 //!
-//! Where players can rest (in modes in which they were seen to stay where they are) is worth more choices than where they
-//! fly past, and what leaves a rest is extended further until it comes to the next one: a jump is tried as a whole.
+//! It searches in one of two manners. As a planner of its own, it tries jumps as a whole: where players can rest (in modes in
+//! which they were seen to stay where they are) is worth more choices than where they fly past, and what leaves a rest is
+//! extended further until it comes to the next one. Beside coverage in one tree (`blended.rs`), all places are alike.
 //!
 //! With a time limit, the cost is the number of steps to the place plus a lower bound of the rest, as in a weighted A*
 //! (Pohl 1970), and of the nodes with a similar velocity at a place only the earliest are kept, as the archive of
@@ -32,20 +33,28 @@ use super::Guidance;
 use super::cells::Cells;
 use super::player_cells::PlayerCells;
 
-/// Cost of a place per place on the path to the goal, and per choice, where players can rest and elsewhere.
-const DISTANCE: u64 = 8;
-const CHOSEN: u64 = 1;
-const CHOSEN_IN_FLIGHT: u64 = 4;
-/// Maximum number of further extensions until a rest.
-const FURTHER: u32 = 8;
+/// How places are chosen.
+#[derive(Debug, Clone, Copy)]
+struct Manner {
+    /// Cost of a place per place on the path to the goal, and per choice where players can rest and elsewhere.
+    distance: u64,
+    at_rest: u64,
+    elsewhere: u64,
+    /// Maximum number of further extensions until a rest.
+    further: u32,
+    /// One choice in this number is a random place.
+    random_one_in: u32,
+}
+
+/// By whole jumps, and by places alone.
+const BY_JUMPS: Manner = Manner { distance: 8, at_rest: 1, elsewhere: 4, further: 8, random_one_in: 32 };
+const BY_PLACES: Manner = Manner { distance: 4, at_rest: 1, elsewhere: 1, further: 0, random_one_in: 8 };
 /// With a time limit: weight of the remaining steps, in quarters, and cost per choice; the steps to the place have
 /// weight 1.
 const REST: u64 = 6;
 const CHOSEN_TIMED: u64 = 2;
 /// Maximum delay of a node, in steps, after another at the same place with a similar velocity.
 const MAX_DELAY: u32 = 8;
-/// One choice in this number is a random place.
-const RANDOM_ONE_IN: u32 = 8;
 /// Number of cells for the range of velocities.
 const VELOCITIES: f64 = 8.0;
 
@@ -78,6 +87,7 @@ struct Flight {
 /// A strategy that extends the places nearest to the goal.
 #[derive(Debug)]
 pub struct DistanceGuided<'m> {
+    manner: Manner,
     distances: Option<&'m DistanceField>,
     players: PlayerCells<'m>,
     cells: Cells,
@@ -96,9 +106,21 @@ pub struct DistanceGuided<'m> {
 }
 
 impl<'m> DistanceGuided<'m> {
-    /// A strategy for a problem, with what leads to its goal.
-    pub fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Self {
+    /// A strategy for a problem, with what leads to its goal, that tries whole jumps.
+    pub fn by_jumps(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Self {
+        // With a time limit, the earliest node of a place counts.
+        let manner = if problem.time().is_some() { BY_PLACES } else { BY_JUMPS };
+        DistanceGuided::new(problem, metric, guidance, manner)
+    }
+
+    /// The same for a tree in which others choose, too, and a jump would be broken off.
+    pub fn by_places(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>) -> Self {
+        DistanceGuided::new(problem, metric, guidance, BY_PLACES)
+    }
+
+    fn new(problem: &Problem<'_>, metric: &Metric, guidance: Guidance<'m>, manner: Manner) -> Self {
         DistanceGuided {
+            manner,
             distances: guidance.distances,
             players: PlayerCells::new(problem, metric, guidance, VELOCITIES),
             cells: Cells::default(),
@@ -124,7 +146,8 @@ impl<'m> DistanceGuided<'m> {
     }
 
     fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point, from: Option<NodeId>) {
-        let modes = self.players.modes(point);
+        // All are one to who does not tell rests.
+        let modes = if self.manner.further > 0 { self.players.modes(point) } else { 0 };
         let keys = self.players.keys(context, point, PLACE).map(|key| mix(key, modes));
         let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
         if is_timed {
@@ -151,15 +174,17 @@ impl<'m> DistanceGuided<'m> {
         if is_new || is_sooner {
             self.enqueue(context, place);
         }
-        let flight = self.flight.take().filter(|flight| Some(flight.node) == from && flight.left > 0 && !is_timed);
-        self.flight = flight
-            .filter(|flight| !is_rest || place == flight.from)
-            .map(|flight| Flight { node, left: flight.left - 1, ..flight });
+        let flight = self.flight.take().filter(|flight| Some(flight.node) == from && flight.left > 0);
+        self.flight = flight.filter(|flight| !is_rest || place == flight.from).map(|flight| Flight {
+            node,
+            left: flight.left - 1,
+            ..flight
+        });
     }
 
     /// Whether players can rest in the modes of the node that was added last: they were seen to, or have just done so.
     fn is_rest(&mut self, context: &mut SearchContext<'_>, modes: u64, point: &Point, from: Option<NodeId>) -> bool {
-        if self.restful.contains(&modes) {
+        if self.manner.further == 0 || self.restful.contains(&modes) {
             return true;
         }
         let Some(from) = from.filter(|_| self.players.are_still(point)) else { return false };
@@ -180,8 +205,9 @@ impl<'m> DistanceGuided<'m> {
         if is_timed {
             u64::from(estimates.soonest) + u64::from(estimates.rest) * REST / 4 + chosen * CHOSEN_TIMED
         } else {
-            let per_choice = if self.restful.contains(&estimates.modes) { CHOSEN } else { CHOSEN_IN_FLIGHT };
-            u64::from(estimates.places) * DISTANCE + chosen * per_choice
+            let is_rest = self.restful.contains(&estimates.modes);
+            let per_choice = if is_rest { self.manner.at_rest } else { self.manner.elsewhere };
+            u64::from(estimates.places) * self.manner.distance + chosen * per_choice
         }
     }
 
@@ -219,7 +245,7 @@ impl Strategy for DistanceGuided<'_> {
         {
             return Some(choice);
         }
-        let place = if context.rng.random_ratio(1, RANDOM_ONE_IN) {
+        let place = if context.rng.random_ratio(1, self.manner.random_one_in) {
             let open = self.cells.first();
             if open.is_empty() {
                 return None;
@@ -233,7 +259,8 @@ impl Strategy for DistanceGuided<'_> {
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
         let choice = self.draw(context, node);
-        self.flight = Some(Flight { node, from: place, left: FURTHER });
+        let left = self.manner.further;
+        self.flight = (left > 0).then_some(Flight { node, from: place, left });
         if !self.cells.inside(place).is_empty() {
             self.enqueue(context, place);
         }

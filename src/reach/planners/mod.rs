@@ -170,13 +170,13 @@ const SPECS: [Spec; 14] = [
         planner: Planner::DistanceGuided,
         name: "distance-guided",
         summary: "guided by the distance to the goal through the level (after SyCLoP)",
-        hold: (4, 60),
+        hold: (1, 60),
         restart: 100_000,
         uses_distances: true,
         method: Method::Sampling {
             samples: false,
             strategy: |problem, metric, guidance| {
-                Box::new(distance_guided::DistanceGuided::new(problem, metric, guidance))
+                Box::new(distance_guided::DistanceGuided::by_jumps(problem, metric, guidance))
             },
         },
     },

@@ -18,7 +18,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use hashbrown::{HashMap, HashSet};
+use hashbrown::HashMap;
 use rand::RngExt;
 
 use crate::reach::coverage::{PLACE, mix};
@@ -36,10 +36,9 @@ use super::player_cells::PlayerCells;
 /// How places are chosen.
 #[derive(Debug, Clone, Copy)]
 struct Manner {
-    /// Cost of a place per place on the path to the goal, and per choice where players can rest and elsewhere.
+    /// Cost of a place per place on the path to the goal, and per choice where players cannot rest; elsewhere it is 1.
     distance: u64,
-    at_rest: u64,
-    elsewhere: u64,
+    in_flight: u64,
     /// Maximum number of further extensions until a rest.
     further: u32,
     /// One choice in this number is a random place.
@@ -47,8 +46,8 @@ struct Manner {
 }
 
 /// By whole jumps, and by places alone.
-const BY_JUMPS: Manner = Manner { distance: 8, at_rest: 1, elsewhere: 4, further: 8, random_one_in: 32 };
-const BY_PLACES: Manner = Manner { distance: 4, at_rest: 1, elsewhere: 1, further: 0, random_one_in: 8 };
+const BY_JUMPS: Manner = Manner { distance: 8, in_flight: 4, further: 8, random_one_in: 32 };
+const BY_PLACES: Manner = Manner { distance: 4, in_flight: 1, further: 0, random_one_in: 8 };
 /// With a time limit: weight of the remaining steps, in quarters, and cost per choice; the steps to the place have
 /// weight 1.
 const REST: u64 = 6;
@@ -99,10 +98,8 @@ pub struct DistanceGuided<'m> {
     /// The least distance of a place of this tree.
     nearest: u32,
     /// The modes in which players were seen to rest.
-    restful: HashSet<u64>,
+    restful: Vec<u64>,
     flight: Option<Flight>,
-    /// The point of a node before.
-    before: Point,
 }
 
 impl<'m> DistanceGuided<'m> {
@@ -128,9 +125,8 @@ impl<'m> DistanceGuided<'m> {
             soonest: HashMap::default(),
             queue: BinaryHeap::new(),
             nearest: u32::MAX,
-            restful: HashSet::default(),
+            restful: Vec::new(),
             flight: None,
-            before: Point::default(),
         }
     }
 
@@ -157,7 +153,7 @@ impl<'m> DistanceGuided<'m> {
             }
             *soonest = depth.min(*soonest);
         }
-        let is_rest = self.is_rest(context, modes, point, from);
+        let is_rest = self.is_rest(context, modes, from);
         let (place, is_new) = self.cells.add(node, &keys);
         if place as usize >= self.estimates.len() {
             let estimates = self.distances.map_or(Estimate::default(), |distances| {
@@ -183,18 +179,22 @@ impl<'m> DistanceGuided<'m> {
     }
 
     /// Whether players can rest in the modes of the node that was added last: they were seen to, or have just done so.
-    fn is_rest(&mut self, context: &mut SearchContext<'_>, modes: u64, point: &Point, from: Option<NodeId>) -> bool {
+    fn is_rest(&mut self, context: &mut SearchContext<'_>, modes: u64, from: Option<NodeId>) -> bool {
         if self.manner.further == 0 || self.restful.contains(&modes) {
             return true;
         }
-        let Some(from) = from.filter(|_| self.players.are_still(point)) else { return false };
-        context.point(from, &mut self.before);
-        let is_rest = self.players.are_in_place(point, &self.before);
+        let Some(from) = from else { return false };
+        let sim = context.problem.sim;
+        let is_rest = context.problem.players().iter().all(|&slot| {
+            let here = sim.position(context.reached(), slot);
+            here == sim.position(context.tree.state(from, &mut context.buffer), slot)
+        });
         if is_rest {
-            self.restful.insert(modes);
+            self.restful.push(modes);
             // The costs of some places are lower now.
-            let open = self.cells.first().to_vec();
-            open.into_iter().for_each(|place| self.enqueue(context, place));
+            for at in 0..self.cells.first().len() {
+                self.enqueue(context, self.cells.first()[at]);
+            }
         }
         is_rest
     }
@@ -205,8 +205,7 @@ impl<'m> DistanceGuided<'m> {
         if is_timed {
             u64::from(estimates.soonest) + u64::from(estimates.rest) * REST / 4 + chosen * CHOSEN_TIMED
         } else {
-            let is_rest = self.restful.contains(&estimates.modes);
-            let per_choice = if is_rest { self.manner.at_rest } else { self.manner.elsewhere };
+            let per_choice = if self.restful.contains(&estimates.modes) { 1 } else { self.manner.in_flight };
             u64::from(estimates.places) * self.manner.distance + chosen * per_choice
         }
     }

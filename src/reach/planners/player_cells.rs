@@ -19,23 +19,12 @@ const LED: f64 = 4.0;
 pub(super) struct PlayerCells<'m> {
     /// Who else the distance to the goal is of, such as a crate: its place counts, too.
     led: Option<SlotId>,
-    /// The coordinates of positions.
-    positions: Vec<usize>,
-    /// The coordinates of velocities.
-    velocities: Vec<Velocity>,
+    /// The coordinates of velocities, with their cells per unit of distance and the offset of the first.
+    velocities: Vec<(usize, f32, f32)>,
     /// The groups, as indices of modes.
     modes: Vec<usize>,
     /// What the goal asks of numbers.
     margins: &'m Margins,
-}
-
-/// A coordinate of a velocity: the cells per unit of distance, the offset of the first, and where nothing moves.
-#[derive(Debug, Clone, Copy)]
-struct Velocity {
-    index: usize,
-    scale: f32,
-    offset: f32,
-    zero: f32,
 }
 
 impl<'m> PlayerCells<'m> {
@@ -45,13 +34,8 @@ impl<'m> PlayerCells<'m> {
         let velocity = |(index, c): (usize, &Coordinate)| match c.quantity {
             Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
                 let width = (c.high - c.low).greatest(f64::MIN_POSITIVE);
-                let scale = (count * c.unit / width) as f32;
-                Some(Velocity { index, scale, offset: c.scaled(c.low), zero: c.scaled(0.0) })
+                Some((index, (count * c.unit / width) as f32, c.scaled(c.low)))
             }
-            _ => None,
-        };
-        let position = |(index, c): (usize, &Coordinate)| match c.quantity {
-            Quantity::Var(slot, var, 0) => (is_player(slot) && var.is_position()).then_some(index),
             _ => None,
         };
         let (world, program) = (problem.sim.world(), problem.sim.program());
@@ -62,7 +46,6 @@ impl<'m> PlayerCells<'m> {
         let led = guidance.distances.map(DistanceField::slot).filter(|slot| !is_player(*slot));
         PlayerCells {
             led,
-            positions: metric.coordinates().iter().enumerate().filter_map(position).collect(),
             velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
             modes: groups.collect(),
             margins: guidance.margins,
@@ -72,16 +55,6 @@ impl<'m> PlayerCells<'m> {
     /// A key of the players' modes at a point.
     pub fn modes(&self, point: &Point) -> u64 {
         self.modes.iter().fold(1, |key, &index| mix(key, u64::from(point.modes[index].to_bits())))
-    }
-
-    /// Whether the players do not move at a point.
-    pub fn are_still(&self, point: &Point) -> bool {
-        self.velocities.iter().all(|velocity| point.reals[velocity.index] == velocity.zero)
-    }
-
-    /// Whether the players have the same positions at two points.
-    pub fn are_in_place(&self, point: &Point, other: &Point) -> bool {
-        self.positions.iter().all(|&index| point.reals[index] == other.reals[index])
     }
 
     /// The keys of the place of the node that was added last, squares with sides of some length (px), and of its cell in it.
@@ -101,7 +74,7 @@ impl<'m> PlayerCells<'m> {
         if let Some(slot) = self.led {
             cell = place_of(context, slot, PLACE / LED, cell);
         }
-        for &Velocity { index, scale, offset, .. } in &self.velocities {
+        for &(index, scale, offset) in &self.velocities {
             cell = mix(cell, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
         }
         for &index in &self.modes {

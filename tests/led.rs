@@ -32,6 +32,13 @@ fn find(program: &Arc<Program>, goal: &str, (seed, nodes): (u64, u64), planner: 
     Some((plan, found.outcome.statistics.nodes))
 }
 
+/// A stage of the game, of which there are levels beside the program.
+fn stage(level: &str) -> Arc<Program> {
+    let examples = Path::new("examples/mega-man");
+    let level = LevelFile { map: Some(&examples.join(level)), ..LevelFile::default() };
+    program(compile_with(&examples.join("mega_man.hyped"), level, &Disk))
+}
+
 #[test]
 fn what_has_to_be_slow_or_pushed_is_found() {
     for (name, goal) in [("lander", "landed"), ("crate", "plate")] {
@@ -133,9 +140,7 @@ fn what_is_used_up_ends_a_branch() {
 /// Two planners that go on from each other's ways need no more than the better one alone, or little more.
 #[test]
 fn ways_are_exchanged() {
-    let map = Some(Path::new("examples/mega-man/megaman_1_1.txt"));
-    let level = LevelFile { map, ..LevelFile::default() };
-    let program = program(compile_with(Path::new("examples/mega-man/mega_man.hyped"), level, &Disk));
+    let program = stage("megaman_1_1.txt");
     for seed in 1..=2 {
         assert!(find(&program, "end", (seed, 200_000), Planner::Auto).is_some(), "{seed}");
     }
@@ -144,9 +149,7 @@ fn ways_are_exchanged() {
 /// Up a tower of twenty rooms, where single extensions from all places between the ledges found no way out of the first ones.
 #[test]
 fn a_tower_is_climbed_jump_by_jump() {
-    let map = Some(Path::new("examples/mega-man/megaman_1_3.txt"));
-    let level = LevelFile { map, ..LevelFile::default() };
-    let program = program(compile_with(Path::new("examples/mega-man/mega_man.hyped"), level, &Disk));
+    let program = stage("megaman_1_3.txt");
     for seed in 1..=3 {
         assert!(find(&program, "end", (seed, 60_000), Planner::DistanceGuided).is_some(), "{seed}");
     }

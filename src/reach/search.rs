@@ -222,9 +222,8 @@ impl<'a> Builder<'_, 'a> {
     fn searcher(&self, tree: usize) -> Box<dyn Searcher + 'a> {
         match self.settings.planner.method() {
             Method::Portfolio => {
-                let (planner, hold) = (Planner::DistanceGuided, self.settings.hold);
-                // Both of its rules hold as coverage does.
-                let hold = hold.unwrap_or_else(|| default_hold(Planner::Coverage, self.problem.min_hold()));
+                // Both rules of the tree hold as coverage does.
+                let (planner, hold) = (Planner::DistanceGuided, self.hold(Planner::Coverage));
                 let led = |distances: Option<&'a DistanceField>| {
                     let strategy = blended(self.problem, self.measures.0, Guidance { distances, ..self.guidance });
                     self.sampler(planner, strategy, (tree, hold), (self.restart(distances), false))
@@ -237,7 +236,7 @@ impl<'a> Builder<'_, 'a> {
                     arms.push(Arm::new(shares.blended, led(None)));
                 }
                 let mut add = |planner: Planner, shares: &[[u64; 3]]| {
-                    let searchers = self.searchers(planner, tree, self.settings.hold);
+                    let searchers = self.searchers(planner, tree);
                     arms.extend(searchers.into_iter().zip(shares).map(|(searcher, &[share, late, for_faster])| {
                         let for_faster = if self.settings.hastens { for_faster } else { 0 };
                         Arm::new(share, searcher).late(late).for_faster(for_faster)
@@ -256,7 +255,7 @@ impl<'a> Builder<'_, 'a> {
                 self.portfolio(arms)
             }
             Method::Sampling { .. } | Method::Alternating { .. } | Method::Exhaustive { .. } => {
-                let mut searchers = self.searchers(self.settings.planner, tree, self.settings.hold);
+                let mut searchers = self.searchers(self.settings.planner, tree);
                 match searchers.pop() {
                     Some(only) if searchers.is_empty() => only,
                     last => self.portfolio(searchers.into_iter().chain(last).map(|one| Arm::new(1, one)).collect()),
@@ -313,9 +312,18 @@ impl<'a> Builder<'_, 'a> {
             .tracking(self.settings.explains, self.guidance.distances)
     }
 
+    /// Range of the number of steps for which a planner holds an input.
+    fn hold(&self, planner: Planner) -> (u16, u16) {
+        self.settings.hold.unwrap_or_else(|| {
+            // With a time limit it tries no whole jumps, and need not leave at one step.
+            let is_timed = planner == Planner::DistanceGuided && self.problem.time().is_some();
+            default_hold(if is_timed { Planner::Coverage } else { planner }, self.problem.min_hold())
+        })
+    }
+
     /// The searchers of a single planner, as a rule one.
-    fn searchers(&self, planner: Planner, tree: usize, hold: Option<(u16, u16)>) -> Vec<Box<dyn Searcher + 'a>> {
-        let hold = hold.unwrap_or_else(|| default_hold(planner, self.problem.min_hold()));
+    fn searchers(&self, planner: Planner, tree: usize) -> Vec<Box<dyn Searcher + 'a>> {
+        let hold = self.hold(planner);
         let (problem, metric, guidance) = (self.problem, self.measures.0, self.guidance);
         match planner.method() {
             Method::Sampling { samples, strategy } => {

@@ -144,7 +144,8 @@ impl<'m> DistanceGuided<'m> {
     fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point, from: Option<NodeId>) {
         // All are one to who does not tell rests.
         let modes = if self.manner.further > 0 { self.players.modes(point) } else { 0 };
-        let keys = self.players.keys(context, point, PLACE).map(|key| mix(key, modes));
+        let [place, cell] = self.players.keys(context, point, PLACE);
+        let keys = [mix(place, modes), cell];
         let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
         if is_timed {
             let soonest = self.soonest.entry(keys[1]).or_insert(depth);

@@ -77,9 +77,7 @@ impl<'m> PlayerCells<'m> {
         for &(index, scale, offset) in &self.velocities {
             cell = mix(cell, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
         }
-        for &index in &self.modes {
-            cell = mix(cell, u64::from(point.modes[index].to_bits()));
-        }
+        cell = mix(cell, self.modes(point));
         [place, self.margins.key(context.problem.sim, state, cell)]
     }
 }

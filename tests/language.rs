@@ -13,6 +13,7 @@ mod explain;
 mod fix;
 mod fmt;
 mod formats;
+mod fuzz;
 mod graph;
 mod import;
 mod level_editors;

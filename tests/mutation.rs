@@ -6,7 +6,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod mutate;
+pub mod mutate;
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

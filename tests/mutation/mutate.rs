@@ -70,9 +70,9 @@ fn tokens(text: &str) -> Vec<Token> {
         let byte = bytes[at];
         let (class, length) = match byte {
             b' ' | b'\t' | b'\n' | b'\r' | b';' => (None, 1),
-            b'/' if text[at..].starts_with("//") => (None, run(at, &|b| b != b'\n')),
+            b'/' if bytes[at..].starts_with(b"//") => (None, run(at, &|b| b != b'\n')),
             b'"' => {
-                let length = 2 + run(at + 1, &|b| b != b'"');
+                let length = (2 + run(at + 1, &|b| b != b'"')).min(bytes.len() - at);
                 let is_map = text[at..at + length].contains('\n');
                 ((!is_map).then_some(Class::Text), length)
             }
@@ -82,9 +82,13 @@ fn tokens(text: &str) -> Vec<Token> {
             _ if byte.is_ascii_alphabetic() || byte == b'_' => {
                 (Some(Class::Word), run(at, &|b| b.is_ascii_alphanumeric() || b == b'_'))
             }
+            _ if !byte.is_ascii() => (None, run(at, &|b| !b.is_ascii())),
             _ => {
                 let two = [":=", "->", "==", "!=", "<=", ">=", ".."];
-                (Some(Class::Punctuation), if two.iter().any(|t| text[at..].starts_with(t)) { 2 } else { 1 })
+                (
+                    Some(Class::Punctuation),
+                    if two.iter().any(|t| bytes[at..].starts_with(t.as_bytes())) { 2 } else { 1 },
+                )
             }
         };
         if let Some(class) = class {

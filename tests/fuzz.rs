@@ -57,11 +57,12 @@ fn change(bytes: &mut Vec<u8>, others: &[Vec<u8>], rng: &mut Pcg64) {
     bytes.splice(at..at, inserted);
 }
 
-/// Gives a target a number of changed inputs; what it fails on is kept in `target/tmp`, under its name.
-fn run(name: &str, target: fn(&[u8]), count: usize, originals: &[Vec<u8>]) {
+/// Gives a target a number of changed inputs; returns how many of them it took. What it fails on stays in `target/tmp`.
+fn run(name: &str, target: fn(&[u8]) -> bool, count: usize, originals: &[Vec<u8>]) -> usize {
     assert!(originals.len() > 1);
-    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{name}"));
     let mut rng = Pcg64::seed_from_u64(11);
+    let mut taken = 0;
     for turn in 0..count {
         let mut input = originals.choose(&mut rng).unwrap().clone();
         // Half of them have a change of words, as what is cut anywhere seldom compiles.
@@ -72,27 +73,54 @@ fn run(name: &str, target: fn(&[u8]), count: usize, originals: &[Vec<u8>]) {
             Some(mutant) => input = mutant.text.into_bytes(),
             None => (0..rng.random_range(1..=MAX_CHANGES)).for_each(|_| change(&mut input, originals, &mut rng)),
         }
+        // Before, as there is nothing after an overflow of the stack.
         std::fs::write(&kept, &input).unwrap();
-        target(&input);
+        taken += usize::from(target(&input));
     }
     std::fs::remove_file(&kept).unwrap();
+    taken
+}
+
+/// Programs, half of them without a mistake.
+fn programs() -> Vec<Vec<u8>> {
+    let mut programs = contents(&["tests/ui"], "hyped");
+    let examples = contents(&["examples", "benches/worlds"], "hyped");
+    programs.extend(examples.iter().cycle().take(programs.len()).cloned());
+    programs
 }
 
 #[test]
 fn changed_programs_are_answered() {
-    run("check", targets::check, sized(2_000, 60_000), &contents(&["examples", "tests/ui"], "hyped"));
+    let count = sized(2_000, 60_000);
+    let taken = run("check", targets::check, count, &programs());
+    assert!(taken > count / 10, "{taken}");
 }
 
 #[test]
 fn changed_programs_are_laid_out() {
-    run("fmt", targets::fmt, sized(3_000, 150_000), &contents(&["examples", "tests/ui"], "hyped"));
+    let count = sized(3_000, 150_000);
+    let taken = run("fmt", targets::fmt, count, &programs());
+    assert!(taken > count / 10, "{taken}");
+}
+
+/// A map with the tiles that the target knows: ground, air, and one foe.
+fn known(map: &[u8]) -> Vec<u8> {
+    let foe = map.iter().position(|tile| *tile == b'E');
+    let tile = |(at, tile): (usize, &u8)| match tile {
+        b'X' | b'\n' => *tile,
+        _ if Some(at) == foe => b'E',
+        _ => b'-',
+    };
+    map.trim_ascii_end().iter().enumerate().map(tile).collect()
 }
 
 #[test]
 fn changed_levels_are_answered() {
-    let maps = contents(&["tests/maps", "examples"], "txt");
-    let legends = contents(&["tests/maps", "examples"], "json");
+    let maps: Vec<Vec<u8>> = contents(&["tests/maps", "examples/smb"], "txt").iter().map(|map| known(map)).collect();
+    let legends = contents(&["tests/maps", "examples/smb"], "json");
     let joined = |(legend, map): (&Vec<u8>, &Vec<u8>)| [legend, &b"\n====\n"[..], map].concat();
     let levels: Vec<Vec<u8>> = legends.iter().flat_map(|l| maps.iter().map(move |m| (l, m))).map(joined).collect();
-    run("levels", targets::levels, sized(600, 60_000), &levels);
+    let count = sized(600, 60_000);
+    let taken = run("levels", targets::levels, count, &levels);
+    assert!(taken > count / 30, "{taken}");
 }

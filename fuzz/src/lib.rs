@@ -44,8 +44,8 @@ const IMPORTED: &[(&str, &[u8])] = &[
     ("robot.hyped", include_bytes!("../../examples/paper/robot.hyped")),
 ];
 
-/// A program: all that can be asked of it is answered.
-pub fn check(bytes: &[u8]) {
+/// A program: all that can be asked of it is answered. Whether it compiles.
+pub fn check(bytes: &[u8]) -> bool {
     let files: Vec<(&str, &[u8])> = [(ROOT, bytes)].into_iter().chain(IMPORTED.iter().copied()).collect();
     let compiled = check_with(Path::new(ROOT), LevelFile::default(), &Memory(&files));
     shown(&compiled);
@@ -54,10 +54,11 @@ pub fn check(bytes: &[u8]) {
         drawn(&compiled.sources, program);
         program.worlds.ids().take(2).for_each(|world| run(program, world));
     }
+    compiled.program.is_some()
 }
 
-/// A legend, a line `====`, a map: in programs that read the map in every way there is.
-pub fn levels(bytes: &[u8]) {
+/// A legend, a line `====`, a map: in programs that read the map in every way there is. Whether one of them compiles.
+pub fn levels(bytes: &[u8]) -> bool {
     const LINE: &[u8] = b"\n====\n";
     let cut = bytes.windows(LINE.len()).position(|part| part == LINE);
     let (legend, map) = cut.map_or((bytes, bytes), |at| (&bytes[..at], &bytes[at + LINE.len()..]));
@@ -88,7 +89,7 @@ pub fn levels(bytes: &[u8]) {
         }}\n",
         String::from_utf8_lossy(map)
     );
-    compiled(&[(ROOT, root.as_bytes()), ("map.txt", map), ("legend.json", legend)]);
+    let mut is_taken = compiled(&[(ROOT, root.as_bytes()), ("map.txt", map), ("legend.json", legend)]);
     // The same bytes as levels of editors; what is before the line is the file that they name.
     for map_line in ["map tiled \"map.txt\"", "map ldtk \"map.txt\""] {
         let root = format!(
@@ -98,26 +99,29 @@ pub fn levels(bytes: &[u8]) {
                 space main {{ {map_line} {{ solid: solid; foe: spawn A }} }}
             }}\n"
         );
-        compiled(&[(ROOT, root.as_bytes()), ("map.txt", map), ("beside", legend)]);
+        is_taken |= compiled(&[(ROOT, root.as_bytes()), ("map.txt", map), ("beside", legend)]);
     }
+    is_taken
 }
 
-/// Files compiled and shown, and their worlds run.
-fn compiled(files: &[(&str, &[u8])]) {
+/// Files compiled and shown, and their worlds run. Whether they compile.
+fn compiled(files: &[(&str, &[u8])]) -> bool {
     let compiled = compile(Path::new(ROOT), &Memory(files));
     shown(&compiled);
     if let Some(program) = &compiled.program {
         program.worlds.ids().for_each(|world| run(program, world));
     }
+    compiled.program.is_some()
 }
 
-/// A program to be laid out: the layout of a layout is itself, and means the same.
-pub fn fmt(bytes: &[u8]) {
-    let Ok(text) = decode(bytes.to_vec()) else { return };
-    let Ok(once) = format(FileId(0), &text) else { return };
+/// A program to be laid out: the layout of a layout is itself, and means the same. Whether it can be.
+pub fn fmt(bytes: &[u8]) -> bool {
+    let Ok(text) = decode(bytes.to_vec()) else { return false };
+    let Ok(once) = format(FileId(0), &text) else { return false };
     let twice = format(FileId(0), &once).expect("what is laid out can be laid out");
     assert_eq!(once, twice, "the layout of a layout is itself");
     assert_eq!(meaning(&text), meaning(&once), "it means the same");
+    true
 }
 
 /// The syntax tree without its places, and the comments.

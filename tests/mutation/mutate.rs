@@ -85,10 +85,8 @@ fn tokens(text: &str) -> Vec<Token> {
             _ if !byte.is_ascii() => (None, run(at, &|b| !b.is_ascii())),
             _ => {
                 let two = [":=", "->", "==", "!=", "<=", ">=", ".."];
-                (
-                    Some(Class::Punctuation),
-                    if two.iter().any(|t| bytes[at..].starts_with(t.as_bytes())) { 2 } else { 1 },
-                )
+                let is_two = two.iter().any(|t| bytes[at..].starts_with(t.as_bytes()));
+                (Some(Class::Punctuation), if is_two { 2 } else { 1 })
             }
         };
         if let Some(class) = class {

@@ -23,6 +23,7 @@ mod questions;
 mod reach;
 mod report_pages;
 mod shards;
+mod shortcuts;
 mod skill;
 mod stop;
 mod stuck;

@@ -1,6 +1,7 @@
-//! Makes a plan faster: by a beam (`planners/beam.rs`), which goes on from each path to faster ones, and by asking again
-//! with less time as long as there is an answer. After AO-x of Hauser and Zhou, *Asymptotically Optimal Planning by
-//! Feasible Kinodynamic Planning in a State-Cost Space*, 2016, in which each plan bounds the cost of the next.
+//! Makes a plan faster: by shortcuts (`shortcuts.rs`), by a beam (`planners/beam.rs`), which goes on from each path to
+//! faster ones, and by asking again with less time as long as there is an answer. After AO-x of Hauser and Zhou,
+//! *Asymptotically Optimal Planning by Feasible Kinodynamic Planning in a State-Cost Space*, 2016, in which each plan bounds
+//! the cost of the next.
 
 use crate::analysis::ConfigurationSpace;
 use crate::watch::Watch;
@@ -10,6 +11,7 @@ use super::outcome::{Plan, Verdict};
 use super::planners::Planner;
 use super::problem::Problem;
 use super::search::{Limits, Settings, search};
+use super::shortcuts::{Effort, take_shortcuts};
 
 /// Time limits of the next plan, in percent of the last one; the boldest is tried first.
 const TIMES: [u64; 4] = [60, 80, 90, 97];
@@ -34,8 +36,9 @@ pub fn improve_duration(
     plan: &Plan,
     watch: &dyn Watch,
 ) -> Plan {
-    let mut improving =
-        Improving { problem, space, settings, limits, watch, best: plan.clone(), left: limits.nodes, round: 0 };
+    // What takes less time is searched for with less.
+    let best = take_shortcuts(problem, plan, Effort::Brief(u64::MAX), watch);
+    let mut improving = Improving { problem, space, settings, limits, watch, best, left: limits.nodes, round: 0 };
     let mut most = (limits.nodes / SHARE).clamp(1, MAX_NODES);
     if settings.planner == Planner::Auto {
         // A beam seldom waits for anything: where it finds a plan, others may find a faster one.
@@ -46,7 +49,8 @@ pub fn improve_duration(
     } else {
         improving.repeat(&[settings.planner], &TIMES, most);
     }
-    improving.best
+    let fast = take_shortcuts(problem, &improving.best, Effort::Thorough, watch);
+    if fast.steps < plan.steps { fast } else { plan.clone() }
 }
 
 /// The search for faster plans.

@@ -9,8 +9,8 @@
 //! Then searchers grow trees of states ([`search`]). Sampling searchers share one loop (`sampler.rs`), to which a
 //! planner adds a strategy (`planners/`); `exhaustive.rs` visits each state once and can prove a "no"; `portfolio.rs`
 //! alternates several. Where `auto` finds nothing, `exact` visits all states in few bytes each. A path is replayed in
-//! the simulator before it is reported, and can be made faster (`improve_duration.rs`) and simpler (`shorten.rs`); a
-//! path for one question can answer another one (`exchange.rs`). [`query`] runs all of this in order.
+//! the simulator before it is reported, and can be made faster (`shortcuts.rs`, `improve_duration.rs`) and simpler
+//! (`shorten.rs`); a path for one question can answer another one (`exchange.rs`). [`query`] runs all of this in order.
 //!
 //! Every state created on the way is checked against the analysis (`monitor.rs`). A state outside shows that the
 //! analysis is wrong about this world: proofs that rest on it are withdrawn.
@@ -51,6 +51,7 @@ mod sampler;
 mod search;
 mod search_context;
 mod searcher;
+mod shortcuts;
 mod shorten;
 mod start_hold;
 mod strategy;
@@ -81,6 +82,7 @@ pub use probability::Luck;
 pub use problem::{BadStart, Problem, Start, StateStatus, Target, Termination};
 pub use proof::{Proof, TooFar};
 pub use search::{Limits, Restart, Settings, search};
+pub use shortcuts::{Effort, take_shortcuts};
 pub use shorten::shorten;
 pub use style::{Style, improve_style};
 pub use trail::{TileTrail, Trail};

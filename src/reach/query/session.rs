@@ -21,6 +21,7 @@ use super::super::problem::{BadStart, Problem, Target, Termination};
 use super::super::reach;
 use super::super::robust::{Improved, Jitter};
 use super::super::search::{Limits, Settings, search};
+use super::super::shortcuts::{Effort, take_shortcuts};
 use super::super::shorten::shorten;
 use super::super::style::{Style, improve_style};
 use super::super::why_not::{WhyNot, explain};
@@ -420,6 +421,13 @@ impl Session {
         let hastens = settings.hold.is_none() && self.query.style.is_none() && observer.is_none();
         let settings = &Settings { hastens, ..*settings };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
+        if hastens
+            && settings.planner == Planner::Auto
+            && let Verdict::Reached(plan) = &outcome.verdict
+        {
+            let effort = Effort::Brief(outcome.statistics.steps);
+            outcome.verdict = Verdict::Reached(take_shortcuts(&problem, plan, effort, watch));
+        }
         // If a search came before the proof, what it came nearest to is known.
         let is_unexplained = outcome.rests_on_analysis() && outcome.nearest.is_none();
         if settings.explains && matches!(target, Target::Goal(_)) && is_unexplained {

@@ -1,7 +1,6 @@
-//! Makes a plan faster: by shortcuts (`shortcuts.rs`), by a beam (`planners/beam.rs`), which goes on from each path to
-//! faster ones, and by asking again with less time as long as there is an answer. After AO-x of Hauser and Zhou,
-//! *Asymptotically Optimal Planning by Feasible Kinodynamic Planning in a State-Cost Space*, 2016, in which each plan bounds
-//! the cost of the next.
+//! Makes a plan faster: by shortcuts (`shortcuts.rs`), by a beam (`planners/beam.rs`), which goes on from each path, and by
+//! asking again with less time as long as there is an answer. After AO-x of Hauser and Zhou, *Asymptotically Optimal
+//! Planning by Feasible Kinodynamic Planning in a State-Cost Space*, 2016: each plan bounds the cost of the next.
 
 use crate::analysis::ConfigurationSpace;
 use crate::watch::Watch;

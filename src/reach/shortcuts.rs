@@ -51,12 +51,12 @@ const MAX_KEPT: usize = 256 << 20;
 pub enum Effort {
     /// As long as they save much, after a search that simulated so many steps: with a small share of those.
     Brief(u64),
-    /// As long as they save anything, with a million simulated steps at most.
+    /// As long as they save anything, with a million simulated steps at most, and half as many to make the rest simpler.
     Thorough,
 }
 
 impl Effort {
-    /// Maximum number of simulated steps.
+    /// Maximum number of simulated steps for shortcuts.
     fn budget(self) -> u64 {
         match self {
             Effort::Brief(searched) => (searched / BRIEF).clamp(FEWEST, MOST),

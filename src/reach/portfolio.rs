@@ -16,6 +16,8 @@ const AHEAD: u32 = 3;
 /// others are ahead.
 const STALE: u64 = 2;
 const LEFT: u64 = 3;
+/// Who explores by itself is not getting on after so many times, whether others are ahead or not.
+const STALE_ALONE: u64 = 4;
 /// After so many nodes, a search takes long.
 const LATE: u64 = 32_000;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
@@ -24,7 +26,7 @@ const NODE: u64 = 2_048;
 /// For a faster path, the search goes on until its work is so many times that of the first one, and for some nodes at
 /// least: for so many times those of the first one, and as many more, but not for more than a number of nodes.
 const FASTER: u64 = 2;
-const FEWEST: [u64; 3] = [16, 1_000, 24_000];
+const FEWEST: [u64; 3] = [16, 1_000, 16_000];
 
 /// A planner with its shares of the work: until a path is found, at first and when that takes long, and for a faster one.
 pub(super) struct Arm<'a> {
@@ -61,12 +63,14 @@ impl<'a> Arm<'a> {
         ending
     }
 
-    /// Whether others, who came to a distance, are ahead of it, and it has not come nearer for as long as it took to get
-    /// where it is. Who follows others is never left behind.
-    fn is_left_behind(&self, nearest: u32) -> bool {
+    /// Whether it has not come nearer for as long as it took to get where it is, and others, who came to a distance, are
+    /// ahead of it; or for longer than that, in a search that takes long. Who follows others is never left behind.
+    fn is_left_behind(&self, nearest: u32, is_late: bool) -> bool {
         let (mine, work) = self.nearest;
         let searcher = &self.searcher;
-        searcher.nearest().is_some() && !searcher.follows() && is_ahead(nearest, mine) && searcher.work() > STALE * work
+        let is_stale = |times: u64| searcher.work() > times * work;
+        let is_left = is_ahead(nearest, mine) && is_stale(STALE) || is_late && is_stale(STALE_ALONE);
+        searcher.nearest().is_some() && !searcher.follows() && is_left
     }
 }
 
@@ -172,9 +176,10 @@ impl<'a> Portfolio<'a> {
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
         let nearest = self.arms.iter().map(|arm| arm.nearest.0).min().unwrap_or(u32::MAX);
+        let is_late = self.nodes() >= LATE;
         (0..self.arms.len()).min_by_key(|at| {
             let arm = &self.arms[*at];
-            let is_left = self.fastest.is_none() && arm.is_left_behind(nearest);
+            let is_left = self.fastest.is_none() && arm.is_left_behind(nearest, is_late);
             let share = self.share(arm) / if is_left { LEFT } else { 1 };
             arm.searcher.work().saturating_add(arm.searcher.nodes().saturating_mul(NODE)) / share.max(1)
         })

@@ -243,6 +243,9 @@ impl<'a> Builder<'_, 'a> {
                     }));
                 };
                 if self.guidance.distances.is_some() {
+                    if is_certain {
+                        add(Planner::DistanceGuided, shares.by_jumps);
+                    }
                     add(Planner::TimeGuided, shares.by_time);
                     add(Planner::Beam, &[shares.beam]);
                 }
@@ -405,14 +408,27 @@ struct Shares {
     /// first, when the search takes long, and for a faster path.
     by_time: &'static [[u64; 3]],
     beam: [u64; 3],
+    /// Of a tree by whole jumps, if any, where the goal has a position: most of the work once the others have found nothing.
+    by_jumps: &'static [[u64; 3]],
     /// Of a tree by coverage alone, where distances lead astray.
     coverage: u64,
 }
 
 /// The shares as a rule, and with a time limit.
-const AUTO: Shares = Shares { blended: 8, by_time: &[[5, 5, 3], [3, 3, 2], [2, 2, 0]], beam: [6, 12, 4], coverage: 4 };
-const IN_TIME: Shares =
-    Shares { blended: 8, by_time: &[[4, 4, 2], [3, 3, 1], [3, 3, 2], [2, 2, 0]], beam: [6, 6, 4], coverage: 1 };
+const AUTO: Shares = Shares {
+    blended: 8,
+    by_time: &[[5, 5, 3], [3, 3, 2], [2, 2, 0]],
+    beam: [6, 12, 4],
+    by_jumps: &[[2, 24, 0]],
+    coverage: 4,
+};
+const IN_TIME: Shares = Shares {
+    blended: 8,
+    by_time: &[[4, 4, 2], [3, 3, 1], [3, 3, 2], [2, 2, 0]],
+    beam: [6, 6, 4],
+    by_jumps: &[],
+    coverage: 1,
+};
 
 #[cfg(test)]
 mod tests {

@@ -12,12 +12,12 @@ use hashbrown::{HashMap, HashTable};
 
 use crate::ir::{Extremes, SlotId, VarId};
 use crate::sim::{Input, Scratch, Script};
-use crate::watch::{Meter, PollLimit, Watch};
+use crate::watch::{Meter, Watch};
 
 use super::coverage::{PLACE, insert, mix};
 use super::outcome::Plan;
 use super::problem::{Problem, StateStatus};
-use super::search_context::{REPLAY_POLLS, replays_to};
+use super::shorten::rewritten;
 use super::start_hold::is_held;
 
 /// The sides of the squares in which positions count as the same, px, first those that are tried first, and the number of
@@ -70,16 +70,10 @@ impl Effort {
 #[must_use]
 pub fn take_shortcuts(problem: &Problem<'_>, plan: &Plan, effort: Effort, watch: &dyn Watch) -> Plan {
     let meter = Meter::new(watch);
-    let Some(script) = Shortcuts::new(problem, plan, effort, &meter).and_then(|all| all.take(effort)) else {
-        return plan.clone();
-    };
-    // What was found before a stop still counts, if a short replay confirms it.
-    let poll_limit = PollLimit::new(REPLAY_POLLS);
-    let (late, steps) = (Meter::new(&poll_limit), script.len());
-    if replays_to(problem, &script, plan.after, &mut problem.sim.scratch(), &late) != Some(steps) {
-        return plan.clone();
+    match Shortcuts::new(problem, plan, effort, &meter).and_then(|all| all.take(effort)) {
+        Some(script) => rewritten(problem, plan, script),
+        None => plan.clone(),
     }
-    Plan { is_shortest: plan.is_shortest && steps == plan.steps, steps, script, after: plan.after }
 }
 
 /// A part of a way: inputs by their numbers, and the state before the first of them and after each.

@@ -46,8 +46,7 @@ pub(super) fn shorten_within(
     watch: &dyn Watch,
 ) -> Plan {
     let meter = Meter::new(watch);
-    let mut scratch = problem.sim.scratch();
-    if replays_to(problem, &plan.script, plan.after, &mut scratch, &meter) != Some(plan.steps) {
+    if replays_to(problem, &plan.script, plan.after, &mut problem.sim.scratch(), &meter) != Some(plan.steps) {
         return plan.clone();
     }
     let (prefix, parts) = split(&plan.script, plan.after);
@@ -78,11 +77,15 @@ pub(super) fn shorten_within(
     if script == plan.script {
         return plan.clone();
     }
-    // What was found before the stop still counts, if a short replay confirms it.
+    rewritten(problem, plan, script)
+}
+
+/// A plan with another script, which was found for it, if a short replay confirms that; else the same. What was found before
+/// a stop still counts.
+pub(super) fn rewritten(problem: &Problem<'_>, plan: &Plan, script: Script) -> Plan {
     let poll_limit = PollLimit::new(REPLAY_POLLS);
-    let late = Meter::new(&poll_limit);
-    let steps = script.len();
-    if replays_to(problem, &script, plan.after, &mut scratch, &late) != Some(steps) {
+    let (late, steps) = (Meter::new(&poll_limit), script.len());
+    if replays_to(problem, &script, plan.after, &mut problem.sim.scratch(), &late) != Some(steps) {
         return plan.clone();
     }
     // Other steps read what nature draws.

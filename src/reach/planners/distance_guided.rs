@@ -284,6 +284,11 @@ impl Strategy for DistanceGuided<'_> {
         }
     }
 
+    /// Whole jumps are tried from where others have not been.
+    fn follows(&self) -> bool {
+        self.manner.further == 0
+    }
+
     fn bytes(&self) -> usize {
         self.cells.bytes()
             + self.estimates.capacity() * size_of::<Estimate>()

@@ -52,8 +52,6 @@ pub enum Planner {
 struct Spec {
     planner: Planner,
     name: &'static str,
-    /// A short description, with its paper.
-    summary: &'static str,
     /// Range of the number of steps for which it holds an input.
     hold: (u16, u16),
     /// Number of nodes of its shortest tree before a restart.
@@ -103,15 +101,15 @@ pub(super) type BuildStrategies =
 
 impl Spec {
     /// A sampling planner with the default settings.
-    const fn sampling(planner: Planner, name: &'static str, summary: &'static str, strategy: BuildStrategy) -> Self {
+    const fn sampling(planner: Planner, name: &'static str, strategy: BuildStrategy) -> Self {
         let method = Method::Sampling { samples: true, strategy };
-        Spec { planner, name, summary, hold: (10, 10), restart: 2_000, uses_distances: false, method }
+        Spec { planner, name, hold: (10, 10), restart: 2_000, uses_distances: false, method }
     }
 
     /// An exhaustive planner. It holds inputs as briefly as the question allows.
-    const fn exhaustive(planner: Planner, name: &'static str, summary: &'static str, is_best_first: bool) -> Self {
+    const fn exhaustive(planner: Planner, name: &'static str, is_best_first: bool) -> Self {
         let method = Method::Exhaustive { is_best_first };
-        Spec { planner, name, summary, hold: (1, 1), restart: 2_000, uses_distances: false, method }
+        Spec { planner, name, hold: (1, 1), restart: 2_000, uses_distances: false, method }
     }
 }
 
@@ -120,43 +118,23 @@ const SPECS: [Spec; 14] = [
     Spec {
         planner: Planner::Auto,
         name: "auto",
-        summary: "several in turns, chosen by measurement",
         hold: (10, 10),
         restart: 2_000,
         uses_distances: true,
         method: Method::Portfolio,
     },
-    Spec::sampling(Planner::Rrt, "rrt", "rapidly-exploring random tree (LaValle 1998)", |_, metric, _| {
-        Box::new(rrt::Rrt::new(metric))
-    }),
-    Spec::sampling(Planner::RcRrt, "rc-rrt", "with failure feedback (Cheng and LaValle 2002)", |_, metric, _| {
-        Box::new(rc::Rc::new(metric))
-    }),
-    Spec::sampling(
-        Planner::RgRrt,
-        "rg-rrt",
-        "guided by reachable states (Shkolnik, Walter and Tedrake 2009)",
-        |_, metric, _| Box::new(rg::Rg::new(metric)),
-    ),
-    Spec::sampling(Planner::EgRrt, "eg-rrt", "with both (Jaillet et al. 2011)", |_, metric, _| {
-        Box::new(eg::Eg::new(metric))
-    }),
-    Spec::sampling(Planner::RrtPlus, "rrt+", "with adaptive sample bias (Kim and Esposito 2005)", |_, metric, _| {
-        Box::new(adaptive::Adaptive::new(metric))
-    }),
-    Spec::sampling(
-        Planner::AstarRrt,
-        "astar-rrt",
-        "RRT with a bounded best-first search as local planner",
-        |_, metric, _| Box::new(guided::Guided::new(rrt::Rrt::new(metric))),
-    ),
-    Spec::sampling(Planner::AstarRgRrt, "astar-rg-rrt", "RG-RRT with the same", |_, metric, _| {
+    Spec::sampling(Planner::Rrt, "rrt", |_, metric, _| Box::new(rrt::Rrt::new(metric))),
+    Spec::sampling(Planner::RcRrt, "rc-rrt", |_, metric, _| Box::new(rc::Rc::new(metric))),
+    Spec::sampling(Planner::RgRrt, "rg-rrt", |_, metric, _| Box::new(rg::Rg::new(metric))),
+    Spec::sampling(Planner::EgRrt, "eg-rrt", |_, metric, _| Box::new(eg::Eg::new(metric))),
+    Spec::sampling(Planner::RrtPlus, "rrt+", |_, metric, _| Box::new(adaptive::Adaptive::new(metric))),
+    Spec::sampling(Planner::AstarRrt, "astar-rrt", |_, metric, _| Box::new(guided::Guided::new(rrt::Rrt::new(metric)))),
+    Spec::sampling(Planner::AstarRgRrt, "astar-rg-rrt", |_, metric, _| {
         Box::new(guided::Guided::new(rg::Rg::new(metric)))
     }),
     Spec {
         planner: Planner::Coverage,
         name: "coverage",
-        summary: "guided by what is covered, without neighbours (after KPIECE and EST)",
         hold: (4, 60),
         // It returns to places that it passed.
         restart: 20_000,
@@ -169,7 +147,6 @@ const SPECS: [Spec; 14] = [
     Spec {
         planner: Planner::DistanceGuided,
         name: "distance-guided",
-        summary: "guided by the distance to the goal through the level (after SyCLoP)",
         hold: (1, 60),
         restart: 100_000,
         uses_distances: true,
@@ -183,7 +160,6 @@ const SPECS: [Spec; 14] = [
     Spec {
         planner: Planner::TimeGuided,
         name: "time-guided",
-        summary: "guided by the time to the goal (weighted A* over cells, after Pohl 1970)",
         hold: (1, 16),
         restart: u64::MAX,
         uses_distances: true,
@@ -197,7 +173,6 @@ const SPECS: [Spec; 14] = [
     Spec {
         planner: Planner::Beam,
         name: "beam",
-        summary: "of all states of a time, only the nearest to the goal (beam search, after Lowerre 1976)",
         hold: (1, 16),
         restart: u64::MAX,
         uses_distances: true,
@@ -206,18 +181,8 @@ const SPECS: [Spec; 14] = [
             strategy: |problem, metric, guidance| Box::new(beam::Beam::new(problem, metric, guidance)),
         },
     },
-    Spec::exhaustive(
-        Planner::Exhaustive,
-        "exhaustive",
-        "breadth first, each state once: shortest plans, and proofs of unreachability",
-        false,
-    ),
-    Spec::exhaustive(
-        Planner::BestFirst,
-        "best-first",
-        "the nearest to the goal first, each state once: proofs of unreachability",
-        true,
-    ),
+    Spec::exhaustive(Planner::Exhaustive, "exhaustive", false),
+    Spec::exhaustive(Planner::BestFirst, "best-first", true),
 ];
 
 impl Planner {
@@ -242,9 +207,24 @@ impl Planner {
         self.spec().name
     }
 
-    /// A short description.
+    /// A short description, with its paper. Not in the table: programs that show none are smaller without.
     pub fn summary(self) -> &'static str {
-        self.spec().summary
+        match self {
+            Planner::Auto => "several in turns, chosen by measurement",
+            Planner::Rrt => "rapidly-exploring random tree (LaValle 1998)",
+            Planner::RcRrt => "with failure feedback (Cheng and LaValle 2002)",
+            Planner::RgRrt => "guided by reachable states (Shkolnik, Walter and Tedrake 2009)",
+            Planner::EgRrt => "with both (Jaillet et al. 2011)",
+            Planner::RrtPlus => "with adaptive sample bias (Kim and Esposito 2005)",
+            Planner::AstarRrt => "RRT with a bounded best-first search as local planner",
+            Planner::AstarRgRrt => "RG-RRT with the same",
+            Planner::Coverage => "guided by what is covered, without neighbours (after KPIECE and EST)",
+            Planner::DistanceGuided => "guided by the distance to the goal through the level (after SyCLoP)",
+            Planner::TimeGuided => "guided by the time to the goal (weighted A* over cells, after Pohl 1970)",
+            Planner::Beam => "of all states of a time, only the nearest to the goal (beam search, after Lowerre 1976)",
+            Planner::Exhaustive => "breadth first, each state once: shortest plans, and proofs of unreachability",
+            Planner::BestFirst => "the nearest to the goal first, each state once: proofs of unreachability",
+        }
     }
 
     /// A name that it had before, which old scripts use.

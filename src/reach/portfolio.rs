@@ -12,11 +12,11 @@ const TURN: u64 = 64;
 const SHARE: u64 = 8;
 /// As many places must one be nearer to the goal for others to go on from its way.
 const AHEAD: u32 = 3;
-/// Who has done so many times the work that it took to come where it is, is not getting on; the divisor of its share if
-/// others are ahead.
+/// Who has done so many times the work that it took to come where it is, is not getting on if others are ahead; the
+/// divisor of its share then.
 const STALE: u64 = 2;
 const LEFT: u64 = 3;
-/// Who explores by itself is not getting on after so many times, whether others are ahead or not.
+/// In a search that takes long, it is not getting on after so many times, whether others are ahead or not.
 const STALE_ALONE: u64 = 4;
 /// After so many nodes, a search takes long.
 const LATE: u64 = 32_000;

@@ -397,8 +397,8 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
     /// The time for which planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension [default:
-    /// 10 steps; 4 to 60 for `coverage` and `distance-guided`; 8, 12 or 16 for `time-guided`; 6, 8 or 12 for `beam`; as
-    /// short as the question allows for `exhaustive` and `best-first`].
+    /// 10 steps; 4 to 60 for `coverage`; 1 to 60 for `distance-guided`; 8, 12 or 16 for `time-guided`; 6, 8 or 12 for
+    /// `beam`; as short as the question allows for `exhaustive` and `best-first`].
     #[arg(long, value_name = "TIME|A..B", value_parser = Hold::read, help_heading = "The search")]
     pub hold: Option<Hold>,
     /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `distance-guided`,

@@ -70,7 +70,8 @@ pub trait Workspace: Files + Send + Sync {
     /// Remembers a text under a key. What cannot be written is forgotten.
     fn remember(&self, _key: &str, _text: &str) {}
 
-    /// Gives memory that is free back to the system. Called when nothing is left to do after much text was closed.
+    /// Gives memory that the calling thread does not need any more back to the system. Called when nothing is left to do for
+    /// it, and by the server after much text was closed.
     fn release_memory(&self) {}
 
     /// Seconds since some moment, for records; always 0 without a clock.

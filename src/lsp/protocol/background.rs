@@ -24,7 +24,7 @@ use crate::lsp::verdicts::verdict::{Question, Verdict};
 use crate::source::{FileId, SourceMap};
 use crate::watch::Watch;
 
-use super::worker::message;
+use super::worker::{message, next_of};
 
 /// Work for the thread.
 pub(super) enum Task {
@@ -151,9 +151,9 @@ impl Background {
         loop {
             let task = match unasked.is_some() {
                 true => self.tasks.try_recv().ok(),
-                false => match self.tasks.recv() {
-                    Ok(task) => Some(task),
-                    Err(_) => return,
+                false => match next_of(&self.tasks, &*self.disk) {
+                    Some(task) => Some(task),
+                    None => return,
                 },
             };
             match task {

@@ -85,6 +85,20 @@ impl Watch for NewerJob<'_> {
     }
 }
 
+/// After so long without work, a thread gives the memory back that it does not need any more.
+const REST: Duration = Duration::from_millis(500);
+
+/// What a thread is to do next; `None` once the server has ended. Meanwhile its free memory goes back to the system.
+pub(super) fn next_of<T>(waiting: &Receiver<T>, disk: &dyn Workspace) -> Option<T> {
+    match waiting.recv_timeout(REST) {
+        Err(RecvTimeoutError::Timeout) => {
+            disk.release_memory();
+            waiting.recv().ok()
+        }
+        next => next.ok(),
+    }
+}
+
 pub(in crate::lsp) struct Worker {
     pub jobs: Receiver<Job>,
     pub events: Sender<Event>,
@@ -136,7 +150,7 @@ impl Worker {
         // All programs of the workspace's folders.
         let mut in_folders: BTreeSet<PathBuf> = BTreeSet::new();
         let mut next_job: Option<Job> = None;
-        while let Some(job) = next_job.take().or_else(|| self.jobs.recv().ok()) {
+        while let Some(job) = next_job.take().or_else(|| next_of(&self.jobs, &*self.disk)) {
             let job = self.merge_waiting(job);
             if job.rescan {
                 in_folders = job.folders.iter().flat_map(|folder| self.disk.programs(folder)).collect();

@@ -16,6 +16,7 @@ mod memory;
 mod named;
 mod probes;
 mod properties;
+mod recurring;
 mod seams;
 mod semantics;
 mod slopes;

@@ -168,7 +168,7 @@ impl<'a> SearchContext<'a> {
             latest: 0,
             starts,
             roots: Vec::new(),
-            scratch: problem.sim.scratch(),
+            scratch: problem.sim.remembering_scratch(),
             luck,
             work: vec![0; size],
             buffer: Vec::with_capacity(size),
@@ -545,7 +545,7 @@ impl<'a> SearchContext<'a> {
     pub(super) fn bytes(&self) -> usize {
         let tracked = self.tracker.as_ref().map_or(0, |tracker| tracker.bytes());
         let recorded = self.notes.record.capacity() * size_of::<Visited>();
-        self.tree.bytes() + self.notes.coverage.bytes() + recorded + tracked
+        self.tree.bytes() + self.notes.coverage.bytes() + recorded + tracked + self.scratch.bytes()
     }
 }
 

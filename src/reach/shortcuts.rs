@@ -227,7 +227,7 @@ impl<'p, 'm> Shortcuts<'p, 'm> {
         if !problem.sim.draws().is_empty() {
             return None;
         }
-        let mut scratch = problem.sim.scratch();
+        let mut scratch = problem.sim.remembering_scratch();
         let mut state = problem.sim.metered_initial(&mut scratch, meter).ok()?.to_vec();
         let size = state.len();
         if steps.saturating_mul(size) > MAX_KEPT {

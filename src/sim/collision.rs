@@ -16,15 +16,15 @@ use crate::watch::Meter;
 
 use super::actor::{Actor, fixed_box, leaves};
 use super::broad_phase::{BroadPhase, Sweep, each, is_few};
-use super::chance::Frames;
 use super::contact::{Contact, Displacement, Rect, meet, opposite};
 use super::covered_faces::Adjacency;
 use super::encounter::Encounter;
 use super::fault::Fault;
+use super::recall::{Nothing, Recall};
 use super::seam::{Images, MAX_IMAGES, Seams, solids};
 use super::simulator::{Scratch as StepScratch, Simulator};
 use super::slope::Slopes;
-use super::state::{PositionLayout, leaf_at};
+use super::state::PositionLayout;
 use super::tiles::Grid;
 
 /// Data about a world's colliders, prepared once.
@@ -48,7 +48,7 @@ pub(super) struct Collision {
     /// The bodies of instances that may move and can touch a static obstacle.
     meeting: Vec<usize>,
     /// Whether no space wraps and no map has slopes.
-    is_common: bool,
+    pub is_common: bool,
     /// Cost of moving all instances and their boxes, in units of work.
     moves: u64,
     /// For each space, which static obstacles are adjacent.
@@ -87,7 +87,7 @@ pub(super) struct Body {
     pub by_leaf: Option<(usize, Arc<[bool]>)>,
     /// Its shape, and what must hold for it to be there, for a body that is not plain.
     pub shape: Shape,
-    guard: Option<ExprId>,
+    pub guard: Option<ExprId>,
 }
 
 /// Data shared by the bodies of one collider of one entity.
@@ -280,16 +280,17 @@ impl Simulator {
         push: bool,
         meter: &Meter<'_>,
     ) -> Result<(), Fault> {
-        self.collide(state, scratch, push, meter)
+        self.collide(state, scratch, (push, &mut Nothing), meter)
     }
 
-    /// Detects all contacts and, with `push`, resolves the blocking ones; returns early if the meter stops it.
+    /// Detects all contacts and, with `push`, resolves the blocking ones, but for those that are known; returns early if
+    /// the meter stops it.
     #[inline(always)]
-    pub(super) fn collide(
+    pub(super) fn collide<R: Recall>(
         &self,
         state: &mut [u8],
         scratch: &mut StepScratch,
-        push: bool,
+        (push, recall): (bool, &mut R),
         meter: &Meter<'_>,
     ) -> Result<(), Fault> {
         if push && self.collision.carries {
@@ -299,23 +300,46 @@ impl Simulator {
         if is_rare && let Some(seams) = &self.collision.seams {
             self.bring_in(seams, state, &mut scratch.start);
         }
-        self.place_boxes(state, scratch)?;
+        if R::IS_ANY {
+            for &slot in recall.moving() {
+                self.place_boxes(state, scratch, recall.bodies(slot as usize))?;
+            }
+        } else {
+            self.place_boxes(state, scratch, 0..self.collision.moving)?;
+        }
         let Scratch { boxes, sweep, active, displacements, work, .. } = &mut scratch.collision;
         *work = work.wrapping_add(self.collision.moves);
-        for &slot in &self.collision.contact_readers {
+        let mut clear = |slot: usize| {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
             layout.clear_touches(state, *touches, *bound);
-        }
-        for &slot in &self.collision.movable {
-            displacements[slot] = Displacement::NONE;
+        };
+        if R::IS_ANY {
+            for nth in 0..recall.unsettled() {
+                clear(recall.unsettled_slot(nth));
+                displacements[recall.unsettled_slot(nth)] = Displacement::NONE;
+            }
+        } else {
+            self.collision.contact_readers.iter().for_each(|slot| clear(*slot));
+            for &slot in &self.collision.movable {
+                displacements[slot] = Displacement::NONE;
+            }
         }
         let bodies = &self.collision.bodies[..self.collision.moving];
+        // Whoever another one is near is looked at.
+        let mut look_at = |state: &mut [u8], displacements: &mut [Displacement], pair: [usize; 2]| {
+            for slot in pair.map(|body| bodies[body].slot.index()) {
+                if recall.meet(slot, state) {
+                    displacements[slot] = Displacement::NONE;
+                }
+            }
+        };
         match &self.collision.broad_phase {
             BroadPhase::Listed(pairs) => {
                 *work = work.wrapping_add(pairs.len() as u64);
                 for &(i, j) in pairs {
                     let (i, j) = (i as usize, j as usize);
                     if boxes[i].active && boxes[j].active && boxes[i].is_near(&boxes[j]) {
+                        look_at(state, displacements, [i, j]);
                         self.pair(state, (i, j), [&boxes[i], &boxes[j]], displacements);
                     }
                 }
@@ -329,6 +353,7 @@ impl Simulator {
                 }
                 let mut visit = |i: usize, j: usize| {
                     if bodies[i].slot != bodies[j].slot {
+                        look_at(state, displacements, [i, j]);
                         self.pair(state, (i, j), [&boxes[i], &boxes[j]], displacements);
                     }
                 };
@@ -356,19 +381,36 @@ impl Simulator {
         }
         let Scratch { boxes, displacements, lengths, .. } = &mut scratch.collision;
         let lengths = Cell::from_mut(lengths.as_mut_slice()).as_slice_of_cells();
-        for &at in &self.collision.meeting {
+        let mut collide_body = |state: &mut [u8], at: usize| {
             let (body, rect) = (&bodies[at], &boxes[at]);
-            if rect.active {
-                let kind = &self.collision.kinds[body.kind];
-                let at = body.slot.index();
-                let mut looked_at = 0;
-                if kind.meets_solids[rect.space as usize] {
-                    looked_at += self.collide_solids(state, body, rect, &mut displacements[at], meter);
+            if !rect.active {
+                return false;
+            }
+            let kind = &self.collision.kinds[body.kind];
+            let at = body.slot.index();
+            let mut looked_at = 0;
+            if kind.meets_solids[rect.space as usize] {
+                looked_at += self.collide_solids(state, body, rect, &mut displacements[at], meter);
+            }
+            if kind.meets_tiles[rect.space as usize] {
+                looked_at += self.collide_tiles(state, body, rect, (&mut displacements[at], lengths), meter);
+            }
+            meter.spend(looked_at as u64)
+        };
+        if R::IS_ANY {
+            for nth in 0..recall.unsettled() {
+                let slot = recall.unsettled_slot(nth);
+                let before = meter.total();
+                for at in recall.bodies(slot).filter(|at| bodies[*at].meets) {
+                    if collide_body(state, at) {
+                        return Ok(());
+                    }
                 }
-                if kind.meets_tiles[rect.space as usize] {
-                    looked_at += self.collide_tiles(state, body, rect, (&mut displacements[at], lengths), meter);
-                }
-                if meter.spend(looked_at as u64) {
+                recall.add_work(slot, meter.total() - before);
+            }
+        } else {
+            for &at in &self.collision.meeting {
+                if collide_body(state, at) {
                     return Ok(());
                 }
             }
@@ -378,72 +420,22 @@ impl Simulator {
         }
         if push {
             let displacements = &mut scratch.collision.displacements;
-            for &slot in &self.collision.movable {
+            let mut push_out = |slot: usize| {
                 let [x, y] = displacements[slot].push;
                 if x != 0.0 || y != 0.0 {
                     displacements[slot].push_out(state, &self.actors[slot].layout, &self.collision.bounces);
                 }
+            };
+            if R::IS_ANY {
+                (0..recall.unsettled()).for_each(|nth| push_out(recall.unsettled_slot(nth)));
+            } else {
+                self.collision.movable.iter().for_each(|slot| push_out(*slot));
             }
             if is_rare && let Some(seams) = &self.collision.seams {
                 self.bring_in(seams, state, &mut scratch.start);
             }
         }
         Ok(())
-    }
-
-    /// Moves all boxes to the positions of their instances.
-    fn place_boxes(&self, state: &[u8], scratch: &mut StepScratch) -> Result<(), Fault> {
-        let StepScratch { frames, collision, start, .. } = scratch;
-        let fault = Cell::new(None);
-        for (body, rect) in self.collision.bodies.iter().zip(collision.boxes.iter_mut()) {
-            let layout = body.layout;
-            let is_there = |(at, leaves): &(usize, Arc<[bool]>)| leaves[leaf_at(state, *at).index()];
-            rect.active = layout.acts(state) && body.by_leaf.as_ref().is_none_or(is_there);
-            if !rect.active {
-                continue;
-            }
-            let sides = match body.fixed {
-                Some(sides) if body.is_plain => sides,
-                _ => {
-                    rect.round = body.shape.is_round();
-                    // An empty collider touches nothing.
-                    let sides = self.evaluate_box(body, state, frames, &fault);
-                    let sides = sides.filter(|[.., width, height]| *width > 0.0 && *height > 0.0);
-                    rect.active = sides.is_some();
-                    let Some(sides) = sides else { continue };
-                    sides
-                }
-            };
-            let [x, y, width, height] = sides;
-            let (px, py) = layout.position(state);
-            let (from_x, from_y) = start[body.slot.index()];
-            rect.left = px + x;
-            rect.right = rect.left + width;
-            rect.bottom = py + y;
-            rect.top = rect.bottom + height;
-            rect.back = (from_x - px, from_y - py);
-            rect.space = layout.space(state).0;
-        }
-        Self::check_fault(&fault)
-    }
-
-    /// The box of a body that is not plain; `None` if its guard does not hold. Apart from the loop over all bodies, most of
-    /// which are plain.
-    #[inline(never)]
-    pub(super) fn evaluate_box(
-        &self,
-        body: &Body,
-        state: &[u8],
-        frames: &Frames,
-        fault: &Cell<Option<Fault>>,
-    ) -> Option<[f64; 4]> {
-        let actor = &self.actors[body.slot.index()];
-        let reader = self.reader(actor, state, frames, &[], fault);
-        if body.by_leaf.is_none() && !body.guard.is_none_or(|guard| reader.truth(guard)) {
-            return None;
-        }
-        let read = || body.shape.sides(|id| Some(reader.number(id))).unwrap_or_default();
-        Some(body.fixed.unwrap_or_else(read))
     }
 
     /// Handles two bodies of one space.

@@ -13,17 +13,26 @@ use super::discrete::TakenEdge;
 use super::envelope::{envelope_value, next_peak};
 use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
+use super::recall::Recall;
 use super::simulator::{Scratch, Simulator};
 use super::state::{leaf_at, one_zero, real, set_moved, set_triple, triple};
 
 impl Simulator {
-    /// Moves every live slot by one step; `STILL` as in [`Simulator::step_of`].
+    /// Moves every live slot by one step, as far as it is not recalled; `STILL` as in [`Simulator::step_of`].
     #[inline(always)]
-    pub(super) fn flow<const STILL: bool>(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+    pub(super) fn flow<const STILL: bool, R: Recall>(
+        &self,
+        state: &mut [u8],
+        scratch: &mut Scratch,
+        recall: &R,
+    ) -> Result<(), Fault> {
         match &self.still {
             Some(still) if STILL => {
                 self.count_still_timers(state);
                 self.flow_of(still.moving.iter().map(|slot| &self.actors[*slot as usize]), state, scratch)
+            }
+            _ if R::IS_ANY => {
+                self.flow_of(recall.awake().iter().map(|slot| &self.actors[*slot as usize]), state, scratch)
             }
             _ => self.flow_of(self.actors.iter(), state, scratch),
         }

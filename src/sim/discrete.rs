@@ -14,6 +14,7 @@ use super::evaluate::Reader;
 use super::fault::{Fault, FaultKind};
 use super::input::Frame;
 use super::life::Changes;
+use super::recall::Recall;
 use super::simulator::{Scratch, Simulator};
 use super::state::leaf_at;
 
@@ -33,15 +34,23 @@ pub(super) struct ActingGroup {
 }
 
 impl Simulator {
-    /// Takes the edges of every live slot; `STILL` as in [`Simulator::step_of`].
+    /// Takes the edges of every live slot; `STILL` as in [`Simulator::step_of`]. What is recalled takes none.
     #[inline(always)]
-    pub(super) fn transitions<const STILL: bool>(&self, state: &mut [u8], scratch: &mut Scratch) -> Result<(), Fault> {
+    pub(super) fn transitions<const STILL: bool, R: Recall>(
+        &self,
+        state: &mut [u8],
+        scratch: &mut Scratch,
+        recall: &mut R,
+    ) -> Result<(), Fault> {
         let Scratch { before, frames, taken, acting, changes, still: awake, .. } = scratch;
         let fault = Cell::new(None);
         changes.clear();
         acting.clear();
         if STILL {
             self.decide_awake(awake, state, frames, taken, acting, &fault);
+        } else if R::IS_ANY {
+            let all = recall.awake().iter().map(|slot| &self.actors[*slot as usize]);
+            self.decide(all, state, frames, taken, acting, &fault);
         } else {
             self.decide(self.actors.iter(), state, frames, taken, acting, &fault);
         }
@@ -50,6 +59,9 @@ impl Simulator {
         if acting.is_empty() {
             self.clear_signals(state);
             return Ok(());
+        }
+        if R::IS_ANY {
+            acting.iter().for_each(|acting| recall.acts(acting.slot.index()));
         }
         // Nor of more than what is read: a large copy is a good part of a step.
         if acting.iter().all(|acting| self.actors[acting.slot.index()].code.is_apart) {

@@ -68,6 +68,17 @@ impl Changes {
         }
     }
 
+    /// Whether anything is spawned.
+    #[cfg(feature = "ask")]
+    pub fn has_spawned(&self) -> bool {
+        !self.spawns.is_empty()
+    }
+
+    /// Those that are destroyed.
+    pub fn destroyed(&self) -> &[SlotId] {
+        &self.destroys
+    }
+
     pub fn clear(&mut self) {
         self.destroys.clear();
         self.breaks.clear();

@@ -5,6 +5,7 @@
 //! allocates nothing. The same state and inputs always give the same bits.
 
 mod actor;
+mod boxes;
 mod breakable;
 mod broad_phase;
 mod carried;
@@ -30,6 +31,9 @@ mod members;
 mod named;
 mod placed;
 mod probe;
+mod recall;
+#[cfg(feature = "ask")]
+mod recurring;
 mod run;
 mod saved;
 mod script;

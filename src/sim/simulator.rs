@@ -21,6 +21,9 @@ use super::input::{Frame, Input};
 use super::life::{Changes, Pool};
 use super::members::Members;
 use super::probe::Probes;
+use super::recall::{Nothing, Recall};
+#[cfg(feature = "ask")]
+use super::recurring::Memory;
 use super::saved::State;
 use super::state::{Life, buttons, set_buttons};
 use super::still::Still;
@@ -87,6 +90,9 @@ pub struct Scratch {
     pub(super) collision: super::collision::Scratch,
     /// What a step looks at of the instances that never move.
     pub(super) still: super::still::Scratch,
+    /// What is remembered of earlier steps, if anything is to be.
+    #[cfg(feature = "ask")]
+    memory: Option<Box<Memory>>,
 }
 
 /// The buttons whose presses or releases are read anywhere.
@@ -109,6 +115,14 @@ impl Scratch {
     /// an instance; it may wrap around.
     pub fn work(&self) -> u64 {
         self.collision.work
+    }
+
+    /// Bytes of what it remembers.
+    pub fn bytes(&self) -> usize {
+        #[cfg(feature = "ask")]
+        return self.memory.as_ref().map_or(0, |memory| memory.bytes());
+        #[cfg(not(feature = "ask"))]
+        0
     }
 }
 
@@ -251,7 +265,25 @@ impl Simulator {
             frames: Frames::new(self.world.players.len(), self.draws.len()),
             flows: self.actors.iter().flat_map(|a| a.code.steady.iter().copied()).collect(),
             collision: self.collision.scratch(&self.world, self.actors.last().map_or(0, |actor| actor.kept.end)),
+            #[cfg(feature = "ask")]
+            memory: None,
         }
+    }
+
+    /// Working memory for many runs that are much alike, as in a search: what instances do that nothing touches is
+    /// remembered, where that pays. Steps give the same bits as with any other.
+    pub fn remembering_scratch(&self) -> Scratch {
+        // The engine of the page has no room for it.
+        #[cfg(feature = "ask")]
+        return Scratch { memory: Memory::of(self), ..self.scratch() };
+        #[cfg(not(feature = "ask"))]
+        self.scratch()
+    }
+
+    /// Whether contacts of instances far from each other have nothing to do with each other, nor with what changes besides.
+    #[cfg(feature = "ask")]
+    pub(super) fn is_local(&self) -> bool {
+        self.still.is_none() && self.breakables.is_none() && self.collision.is_common
     }
 
     /// The state before the first step, contacts included.
@@ -321,7 +353,9 @@ impl Simulator {
         self.lay(&Input::default().1, &mut scratch.frames);
         scratch.changes.clear();
         self.note_start(state, scratch);
-        self.collide(state, scratch, false, meter)
+        #[cfg(feature = "ask")]
+        scratch.memory.iter_mut().for_each(|memory| memory.forget_boxes());
+        self.collide(state, scratch, (false, &mut Nothing), meter)
     }
 
     /// One step of time: `state` becomes the next state.
@@ -346,7 +380,31 @@ impl Simulator {
         if self.still.is_some() {
             return self.step_among_still(state, input, scratch, meter);
         }
-        self.step_of::<false>(state, input, scratch, meter)
+        #[cfg(feature = "ask")]
+        if scratch.memory.is_some() {
+            return self.step_remembering(state, input, scratch, meter);
+        }
+        self.step_of::<false, _>(state, input, scratch, &mut Nothing, meter)
+    }
+
+    #[cfg(feature = "ask")]
+    #[inline(never)]
+    fn step_remembering(
+        &self,
+        state: &mut [u8],
+        input: &Input,
+        scratch: &mut Scratch,
+        meter: &Meter<'_>,
+    ) -> Result<(), Fault> {
+        let Some(mut memory) = scratch.memory.take() else { return Ok(()) };
+        memory.recall(state);
+        let result = self.step_of::<false, _>(state, input, scratch, &mut *memory, meter);
+        match result {
+            Ok(()) if !meter.is_stopped() => memory.keep(state, scratch.changes.has_spawned()),
+            _ => memory.forget_boxes(),
+        }
+        scratch.memory = Some(memory);
+        result
     }
 
     #[inline(never)]
@@ -357,16 +415,17 @@ impl Simulator {
         scratch: &mut Scratch,
         meter: &Meter<'_>,
     ) -> Result<(), Fault> {
-        self.step_of::<true>(state, input, scratch, meter)
+        self.step_of::<true, _>(state, input, scratch, &mut Nothing, meter)
     }
 
     /// A step; `STILL` if there are many instances that never move. Apart, so that the others cost nothing.
     #[inline(always)]
-    fn step_of<const STILL: bool>(
+    fn step_of<const STILL: bool, R: Recall>(
         &self,
         state: &mut [u8],
         input: &Input,
         scratch: &mut Scratch,
+        recall: &mut R,
         meter: &Meter<'_>,
     ) -> Result<(), Fault> {
         let before = scratch.work();
@@ -378,12 +437,20 @@ impl Simulator {
         if !self.draws.is_empty() {
             self.lay(&input.1, &mut scratch.frames);
         }
-        self.transitions::<STILL>(state, scratch)?;
-        self.flow::<STILL>(state, scratch)?;
+        self.transitions::<STILL, R>(state, scratch, recall)?;
+        if R::IS_ANY {
+            scratch.changes.destroyed().iter().for_each(|slot| recall.lose(slot.index()));
+        }
+        recall.note(state);
+        self.flow::<STILL, R>(state, scratch, recall)?;
+        recall.move_known(state, &mut scratch.start);
         if STILL {
             self.collide_apart(state, scratch, true, meter)?;
         } else {
-            self.collide(state, scratch, true, meter)?;
+            self.collide(state, scratch, (true, recall), meter)?;
+        }
+        if !meter.is_stopped() {
+            meter.spend(recall.end(state));
         }
         if self.lives_change {
             self.remove_destroyed(state, scratch);

@@ -11,7 +11,7 @@ use rand_pcg::Pcg32;
 
 use crate::support::{Disk, compile_text, files, program, sized, stir};
 use hypedc::compile::{LevelFile, compile, compile_with};
-use hypedc::ir::{Id, Program, WorldId};
+use hypedc::ir::{Program, WorldId};
 use hypedc::sim::{Input, Simulator, State};
 use hypedc::watch::{Meter, Unwatched};
 

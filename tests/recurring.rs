@@ -173,6 +173,44 @@ fn crowds() {
 }
 
 #[test]
+fn boxes_may_depend_on_others() {
+    let compilation = compile_text(
+        "entity Hero {
+            param speed = 40
+            axis horizontal
+            ref first: Drifter
+            collider body: rect(0, 0, 6, 6) when first.y' < 0
+            x' = speed * horizontal
+            y' = 0
+        }
+        entity Drifter {
+            collider body: rect(0, 0, 6, 6)
+            x' = 0
+            mode falling {
+                y'' = -300
+                when timer >= 0.2s -> rising
+            }
+            mode rising {
+                y'' = 300
+                when timer >= 0.2s -> falling
+            }
+        }
+        world Sea {
+            collide body with body: block
+            space main {
+                place a: Drifter at (0, 0)
+                place b: Drifter at (100, 0)
+                place c: Drifter at (200, 0)
+                place hero: Hero at (30, 0) { first = a }
+            }
+            player 1: hero
+        }",
+    );
+    assert!(compilation.program.is_some(), "{:?}", compilation.diagnostics);
+    runs(&program(compilation), sized(4_000, 100_000));
+}
+
+#[test]
 fn what_is_remembered_is_bounded() {
     let compilation = compile_text(
         "entity Drifter {

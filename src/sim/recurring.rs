@@ -13,6 +13,7 @@ use hashbrown::{DefaultHashBuilder, HashTable};
 use crate::ir::Id;
 
 use super::actor::Actor;
+use super::collision::Body;
 use super::recall::Recall;
 use super::simulator::Simulator;
 use super::state::{real, set_real};
@@ -161,7 +162,10 @@ impl Memory {
             is_plain[actor.index()] && actor.code.is_apart && !actor.code.is_joint && !is_told
         };
         let own: Vec<&Actor> = sim.actors.iter().filter(is_own).collect();
-        if !sim.is_local() || own.len() < FEWEST {
+        // Until a step ends, a part of what is known is not in the state: boxes must not depend on it.
+        let reads_no_other = |body: &Body| body.is_plain || sim.actors[body.slot.index()].code.is_apart;
+        let is_readable = sim.moves_independently || sim.collision.bodies.iter().all(reads_no_other);
+        if !is_readable || !sim.is_local() || own.len() < FEWEST {
             return None;
         }
         let mut first: Vec<&Actor> = Vec::new();
@@ -224,14 +228,15 @@ impl Memory {
                 self.forget(of);
             }
         }
-        let Memory { all, states, others, busy, awake, moving, unsettled, asleep, last, .. } = self;
+        let Memory { all, states, others, busy, roused, awake, moving, unsettled, asleep, last, .. } = self;
         // Where the run goes on, what rests goes on to.
         if *state != **last {
             busy.clear();
             busy.extend(0..all.len() as u32);
             *asleep = 0;
         }
-        [&mut *awake, moving, unsettled].into_iter().for_each(Vec::clear);
+        // A step that failed may have left some.
+        [&mut *roused, awake, moving, unsettled].into_iter().for_each(Vec::clear);
         let mut others = others.iter().copied().peekable();
         for number in busy.iter() {
             let one = &mut all[*number as usize];

@@ -15,6 +15,9 @@
 //! at one velocity is told apart by rows alone: of two at a place the higher one gets further.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use hashbrown::HashMap;
 
 use crate::ir::{EntityId, Expr, Extremes, LeafId, Origin, SlotId, Subject, VarId};
 
@@ -35,10 +38,10 @@ const MAX_TURNS: u32 = 64;
 const MAX_CELLS: usize = 1 << 18;
 
 /// What is not joined: the modes, the pushes along y, and the phase of the fall.
-type Course = (Vec<LeafId>, Option<[bool; 2]>, Phase);
+type Course = (Arc<[LeafId]>, Option<[bool; 2]>, Phase);
 
 /// How far a fall has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Phase {
     /// Where it began, and the number of steps since.
     Since(Beginning, u32),
@@ -95,10 +98,10 @@ struct Flights<'a> {
     analysis: &'a Analysis<'a>,
     grids: &'a [Grid],
     /// All values while some leaves are active.
-    known: BTreeMap<Vec<LeafId>, Configuration>,
-    numbers: BTreeMap<Course, usize>,
+    known: BTreeMap<Arc<[LeafId]>, Configuration>,
+    numbers: HashMap<Course, usize>,
     /// How often what stays on a run of a course, by where that begins, has moved on along it.
-    grown: BTreeMap<(usize, u64), u32>,
+    grown: HashMap<(usize, u64), u32>,
     /// Of each course: its parts, in order along x and apart.
     courses: Vec<(Course, Vec<Part>)>,
     /// The courses with parts that are to be stepped, in this order.
@@ -216,12 +219,12 @@ fn flights<'a>(
     let slot = slots[0];
     let stepper = analysis.stepper(slot);
     let stepper = Stepper { reader: Reader { surroundings, ..stepper.reader }, grids: Some(grids), ..stepper };
-    let mut known: BTreeMap<Vec<LeafId>, Configuration> = BTreeMap::new();
+    let mut known: BTreeMap<Arc<[LeafId]>, Configuration> = BTreeMap::new();
     for ((leaves, _), growing) in slots.iter().flat_map(|slot| &analysis.slots[*slot].configurations) {
         let joined = known.get(leaves).map_or_else(|| growing.at.clone(), |known| known.or(&growing.at));
         known.insert(leaves.clone(), joined);
     }
-    let (numbers, grown, courses, due) = (BTreeMap::new(), BTreeMap::new(), Vec::new(), BTreeSet::new());
+    let (numbers, grown, courses, due) = (HashMap::new(), HashMap::new(), Vec::new(), BTreeSet::new());
     let mut flights = Flights {
         slot,
         is_player: analysis.world.slots[slot].player.is_some(),
@@ -437,9 +440,9 @@ fn is_thin(at: &Configuration) -> bool {
 /// Whether a configuration neither rises nor falls on the way to the next.
 fn stays(at: &Configuration, next: &Configuration) -> bool {
     let is_still = |at: &Configuration| at.vars[VarId::Y][1].constant() == Some(0.0);
-    let [y, later] = [at, next].map(|at| at.vars[VarId::Y][0]);
+    let [y, later] = [&at.vars[VarId::Y][0], &next.vars[VarId::Y][0]];
     later == y && at.vars[VarId::Y][1] == next.vars[VarId::Y][1]
-        || is_still(at) && is_still(next) && later.is_within(&y)
+        || is_still(at) && is_still(next) && later.is_within(y)
 }
 
 /// The velocity along y at which a configuration goes on, if it is the same in the next.

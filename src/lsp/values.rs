@@ -39,7 +39,7 @@ impl Ranges {
                 }
                 let entity = &program.entities[id];
                 for at in &found.configurations {
-                    for leaf in &at.leaves {
+                    for leaf in &*at.leaves {
                         let mode = &entity.modes[entity.leaves[*leaf].mode].path;
                         for (var, values) in at.vars.pairs() {
                             out.add((&entity.name, &entity.vars[var]), mode, values);

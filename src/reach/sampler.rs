@@ -315,6 +315,8 @@ impl Searcher for Sampler<'_> {
 
     fn look_for_faster(&mut self, steps: u64) {
         self.most = u32::try_from(steps.saturating_sub(1)).ok();
+        // There is no missing answer to explain any more.
+        self.context.stop_tracking();
     }
 
     fn nodes(&self) -> u64 {

@@ -185,6 +185,11 @@ impl<'a> SearchContext<'a> {
         self
     }
 
+    /// Keeps no more of them.
+    pub(super) fn stop_tracking(&mut self) {
+        self.tracker = None;
+    }
+
     /// Records all nodes from now on.
     #[must_use]
     pub(super) fn recording(mut self, records: bool) -> Self {

@@ -134,7 +134,7 @@ impl<'p, 'm> Attempts<'p, 'm> {
         parts: Vec<ScriptStep>,
         (budget, meter): (u64, &'m Meter<'m>),
     ) -> Option<Self> {
-        let mut scratch = problem.sim.scratch();
+        let mut scratch = problem.sim.remembering_scratch();
         let mut state = problem.sim.metered_initial(&mut scratch, meter).ok().filter(|_| !meter.is_stopped())?.to_vec();
         for (step, input) in (1..).zip(prefix.0.inputs()) {
             problem.sim.metered_step(&mut state, &problem.draw(step, input), &mut scratch, meter).ok()?;

@@ -114,8 +114,9 @@ const MOVED: u64 = 4;
 pub(super) struct Scratch {
     pub boxes: Vec<Rect>,
     pub sweep: Sweep,
-    /// For each set of tags, the active bodies.
+    /// For each set of tags, the active bodies; and whether they are still those.
     active: Vec<Vec<u32>>,
+    pub is_listed: bool,
     /// For each slot, its displacement by contacts.
     pub displacements: Vec<Displacement>,
     /// The boxes that are seen beyond a seam.
@@ -262,6 +263,7 @@ impl Collision {
                 0
             }),
             active: self.broad_phase.buffers(),
+            is_listed: false,
             displacements: vec![Displacement::NONE; world.slots.len()],
             images: self.seams.as_ref().map_or_else(Images::default, |_| Images::for_boxes(self.moving)),
             lengths: vec![0.0; kept],
@@ -307,7 +309,7 @@ impl Simulator {
         } else {
             self.place_boxes(state, scratch, 0..self.collision.moving)?;
         }
-        let Scratch { boxes, sweep, active, displacements, work, .. } = &mut scratch.collision;
+        let Scratch { boxes, sweep, active, is_listed, displacements, work, .. } = &mut scratch.collision;
         *work = work.wrapping_add(self.collision.moves);
         let mut clear = |slot: usize| {
             let Actor { layout, touches, bound, .. } = &self.actors[slot];
@@ -345,10 +347,12 @@ impl Simulator {
                 }
             }
             BroadPhase::Kinds(pairs) => {
-                active.iter_mut().for_each(Vec::clear);
-                for (at, body) in bodies.iter().enumerate() {
-                    if boxes[at].active {
-                        active[body.set].push(at as u32);
+                if !std::mem::replace(is_listed, true) {
+                    active.iter_mut().for_each(Vec::clear);
+                    for (at, body) in bodies.iter().enumerate() {
+                        if boxes[at].active {
+                            active[body.set].push(at as u32);
+                        }
                     }
                 }
                 let mut visit = |i: usize, j: usize| {

@@ -13,7 +13,7 @@ use crate::analysis::domain::values::{Interval, Values};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Configuration {
     /// The active leaf of each group.
-    pub leaves: Vec<LeafId>,
+    pub leaves: Arc<[LeafId]>,
     /// Steps counted by each timer.
     pub timers: IdVec<TimerId, Interval>,
     /// The spaces the instance can be in.
@@ -111,7 +111,7 @@ impl MidStep {
     /// Joins a result of the discrete phase; returns true if the set grew.
     pub fn add(&mut self, at: &Configuration) -> bool {
         let mut changed = false;
-        for leaf in &at.leaves {
+        for leaf in &*at.leaves {
             changed |= self.leaves.insert(*leaf);
         }
         let numbers: &Numbers = at;
@@ -148,7 +148,7 @@ impl Configuration {
         let energy = vars.iter().map(|_| None).collect();
         let timers = (0..timers).map(|_| Interval::point(0.0)).collect();
         let numbers = Arc::new(Numbers { vars, discretes, params: IdVec::new(), energy });
-        Configuration { leaves: Vec::new(), timers, spaces: Arc::new(spaces), trace: None, numbers }
+        Configuration { leaves: Arc::default(), timers, spaces: Arc::new(spaces), trace: None, numbers }
     }
 
     /// Sets a variable (degree 0), its velocity (1) or acceleration (2).

@@ -107,7 +107,7 @@ fn initial_state(program: &Program, world: &World, slot: SlotId) -> Option<Confi
     let vars = s.vars.iter().map(|v| v.map(Values::point)).collect();
     let discretes = s.discretes.iter().map(|d| Values::point(f64::from(*d))).collect();
     let first = Configuration::new(vars, discretes, s.timer_limits.len(), [s.space].into());
-    Some(Configuration { leaves, ..first })
+    Some(Configuration { leaves: leaves.into(), ..first })
 }
 
 /// Where an invariant may break.
@@ -149,7 +149,7 @@ impl Invariants {
                 let values = value_text::read(entity, &reads, &[(&at.leaves, &Observed::of(&reads, o, &at))]);
                 let values = (!values.is_empty()).then(|| value_text::listed(&values));
                 let placed = program.spans.worlds[o.world_id].slots[o.slot];
-                Breach { values, instance: (o.world.slots[o.slot].name.clone(), placed), leaves: at.leaves }
+                Breach { values, instance: (o.world.slots[o.slot].name.clone(), placed), leaves: at.leaves.to_vec() }
             });
         }
     }

@@ -93,7 +93,7 @@ pub(super) fn report(subject: &EntitySummary<'_>, found: &mut Diagnostics) {
 fn visit(program: &Program, entity: &Entity, cases: &[(&Occurrence<'_>, &Configuration)], visit: &mut Visit<'_>) {
     let writes = |a: &Actions| a.updates.iter().any(|u| matches!(u.place, Place::Discrete(_)));
     for &(o, at) in cases {
-        for &from in &at.leaves {
+        for &from in &*at.leaves {
             let leaf = &entity.leaves[from];
             let mut rest = Some(at.clone());
             for &edge in &leaf.edges {

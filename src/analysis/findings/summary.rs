@@ -124,9 +124,9 @@ impl<'a> EntitySummary<'a> {
             site.add(self.context.program, self.entity, &cases);
         }
         for (o, c) in &cases {
-            self.live.extend(&c.leaves);
+            self.live.extend(&*c.leaves);
             if !self.reads.is_empty() {
-                let seen = self.cases.entry(c.leaves.clone()).or_default();
+                let seen = self.cases.entry(c.leaves.to_vec()).or_default();
                 seen.add(&self.reads, o, c);
             }
         }

@@ -98,7 +98,7 @@ impl Analysis<'_> {
         }
         let at = within_bounds(self.world, slot, at);
         for leaves in combinations {
-            changed |= self.grow(slot, Configuration { leaves, ..at.clone() }, None);
+            changed |= self.grow(slot, Configuration { leaves: leaves.into(), ..at.clone() }, None);
         }
         changed
     }

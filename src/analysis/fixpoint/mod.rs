@@ -7,6 +7,7 @@ pub(in crate::analysis) mod narrowing;
 mod thresholds;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crate::ir::{
     DiscreteId, Entity, EntityId, Expr, ExprId, Id, IdVec, LeafId, Origin, ParamId, Program, SlotId, SpaceId, VarId,
@@ -37,7 +38,7 @@ pub(in crate::analysis) const MAX_CONFIGURATIONS: usize = 1_024;
 const NARROWINGS: usize = 2;
 
 /// Identifies a configuration: the active leaf of each group, and the cell of the position.
-pub(in crate::analysis) type Key = (Vec<LeafId>, CellId);
+pub(in crate::analysis) type Key = (Arc<[LeafId]>, CellId);
 
 /// A configuration that may still grow.
 #[derive(Debug, Clone)]
@@ -291,7 +292,7 @@ impl<'a> Analysis<'a> {
             speed: known.speed,
             near_speed: known.near_speed,
             mid_step: known.mid_step.clone(),
-            leaves: known.configurations.keys().flat_map(|(leaves, _)| leaves).copied().collect(),
+            leaves: known.configurations.keys().flat_map(|(leaves, _)| &**leaves).copied().collect(),
         }
     }
 

@@ -16,8 +16,9 @@ pub(in crate::analysis) const THIN: f64 = 4.0 * ROUNDING;
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::analysis) struct Grid {
     pub space: SpaceId,
-    /// The lines between cells.
+    /// The lines between cells, and each as far as rounding goes to both sides of it: lowest and highest positions.
     lines: [Vec<f64>; 2],
+    rounded: [[Vec<f64>; 2]; 2],
     /// Row by row, whether a cell lies inside a blocking obstacle.
     pub is_blocked: Vec<bool>,
 }
@@ -63,7 +64,11 @@ impl Grid {
         if lines.iter().any(|lines| is_sliver(lines)) {
             return None;
         }
-        let mut grid = Grid { space, lines, is_blocked: Vec::new() };
+        let ends = |lines: &Vec<f64>, end: fn(Interval) -> f64| {
+            lines.iter().map(|x| end(rounded(Interval::point(*x)))).collect::<Vec<f64>>()
+        };
+        let rounded = [0, 1].map(|axis| [ends(&lines[axis], |i| i.low), ends(&lines[axis], |i| i.high)]);
+        let mut grid = Grid { space, lines, rounded, is_blocked: Vec::new() };
         let (across, up) = (grid.count(0), grid.count(1));
         if across.saturating_mul(up) > most {
             return None;
@@ -179,9 +184,8 @@ impl Grid {
 
     /// The cells along an axis that an interval overlaps.
     pub fn range(&self, axis: usize, hull: Interval) -> std::ops::RangeInclusive<usize> {
-        let lines = &self.lines[axis];
-        lines.partition_point(|x| rounded(Interval::point(*x)).high < hull.low)
-            ..=lines.partition_point(|x| rounded(Interval::point(*x)).low <= hull.high)
+        let [lows, highs] = &self.rounded[axis];
+        highs.partition_point(|high| *high < hull.low)..=lows.partition_point(|low| *low <= hull.high)
     }
 }
 

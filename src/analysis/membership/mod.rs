@@ -172,7 +172,7 @@ struct Table {
     /// The rows of each key; empty if there are too many keys.
     by_key: Vec<RowRange>,
     /// The rows by combination of leaves, if there are too many keys.
-    listed: Vec<(Vec<LeafId>, RowRange)>,
+    listed: Vec<(Arc<[LeafId]>, RowRange)>,
     rows: Vec<Row>,
     grids: Vec<Grid>,
     checks: Vec<Check>,

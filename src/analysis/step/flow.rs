@@ -25,7 +25,7 @@ impl Stepper<'_> {
         };
         let same = |known: &Configuration| {
             let alike = |groups: &[bool]| {
-                let leaves = known.leaves.iter().zip(&next.leaves).zip(groups);
+                let leaves = known.leaves.iter().zip(&*next.leaves).zip(groups);
                 leaves.into_iter().all(|((a, b), counts)| !counts || a == b)
             };
             alike(flow_groups)

@@ -40,7 +40,7 @@ pub(in crate::analysis) struct Outcome {
     /// Whether a collider that is never pushed can be switched on.
     pub appears: bool,
     /// Combinations of leaves that switch a collider on.
-    pub activated: Vec<Vec<LeafId>>,
+    pub activated: Vec<Arc<[LeafId]>>,
     /// Per axis, the maximum speed before collisions, px/s.
     pub speed: [f64; 2],
     /// The same for steps that end near static obstacles.
@@ -276,7 +276,7 @@ impl<'a> Stepper<'a> {
                 continue;
             }
             if !body.is_live {
-                outcome.activated.push(leaves.to_vec());
+                outcome.activated.push(leaves.into());
             }
             if body.kinematic {
                 outcome.appears = true;
@@ -327,7 +327,7 @@ impl<'a> Stepper<'a> {
     /// Takes a transition: timers restart, entry actions run.
     fn enter(&self, transition: Transition, at: &Configuration, next: &mut Configuration, outcome: &mut Outcome) {
         let entity = self.entity();
-        next.leaves[transition.group.index()] = transition.to;
+        Arc::make_mut(&mut next.leaves)[transition.group.index()] = transition.to;
         for timer in transition.resets(entity) {
             next.timers[timer] = Interval::point(0.0);
         }

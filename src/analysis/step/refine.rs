@@ -14,7 +14,7 @@ impl Reader<'_> {
             return None;
         }
         let mut out = from.clone();
-        self.refine(&mut out, guard, holds).then_some(out)
+        self.refine_possible(&mut out, guard, holds).then_some(out)
     }
 
     fn can_evaluate_to(&self, at: &Configuration, guard: ExprId, holds: bool) -> bool {
@@ -25,7 +25,12 @@ impl Reader<'_> {
 
     /// Refines a configuration in place by a guard that holds (or fails); returns whether it can.
     pub fn refine(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
-        let Some((me, _)) = self.me.filter(|_| self.can_evaluate_to(at, guard, holds)) else { return false };
+        self.can_evaluate_to(at, guard, holds) && self.refine_possible(at, guard, holds)
+    }
+
+    /// The same for a guard that can.
+    fn refine_possible(&self, at: &mut Configuration, guard: ExprId, holds: bool) -> bool {
+        let Some((me, _)) = self.me else { return false };
         match (self.program.exprs[guard], holds) {
             (Expr::Not(a), _) => self.refine(at, a, !holds),
             (Expr::And(a, b), true) => self.refine(at, a, true) && self.after(a).refine(at, b, true),

@@ -6,15 +6,17 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::support::{Disk, compile_text, files, program, script};
+use crate::support::{Disk, compile_text, files, program, script, script_of};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::compile;
 use hypedc::ir::{GoalId, Program, SlotId, VarId, WorldId};
+use hypedc::reach::query::{Query, Session};
 use hypedc::reach::{
-    Argument, Limits, Metric, Outcome, Plan, Planner, Point, Problem, Proof, Quantity, Sampling, Settings, Verdict,
-    reach, search as grow,
+    Argument, Limits, Metric, Outcome, Plan, Planner, Point, Problem, Proof, Quantity, Sampling, Settings, Style,
+    Target, Verdict, least_steps, reach, search as grow,
 };
 use hypedc::sim::Simulator;
+use hypedc::source::SourceMap;
 use hypedc::watch::Unwatched;
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -566,12 +568,17 @@ fn what_is_walled_off_is_proven_unreachable() {
     }
 }
 
-/// What takes longest to reach takes a hundred steps; there is time for as many as are given.
-fn walk_within(steps: u32, planner: Planner, seed: u64, analysed: bool) -> Verdict {
+/// A hall whose goal takes a hundred steps at full speed.
+fn hall() -> Arc<Program> {
     let text = "entity Walker {\n    param speed = 60\n    axis move\n    collider body: rect(0, 0, 8, 8)\n    x' = speed * move\n    y' = 0\n}\n\
         world Hall {\n    step 1/60\n    space main {\n        bounds rect (-50, 0, 300, 50)\n        \
         place walker: Walker at (0, 10)\n    }\n    player 1: walker\n    goal far: walker.x > 99.5\n}\n";
-    let program = program(compile_text(text));
+    program(compile_text(text))
+}
+
+/// There is time for as many steps as are given.
+fn walk_within(steps: u32, planner: Planner, seed: u64, analysed: bool) -> Verdict {
+    let program = hall();
     let sim = Simulator::new(&program, WORLD);
     let problem = Problem::new(&sim, GoalId(0)).within(steps);
     let space = configuration_space(&program, WORLD);
@@ -605,5 +612,29 @@ fn what_takes_too_long_does_not_count() {
             matches!(walk_within(130, Planner::Auto, seed, true), Verdict::Reached(plan) if plan.steps <= 130),
             "{seed}"
         );
+    }
+}
+
+#[test]
+fn no_way_is_shorter_than_the_fastest_player_needs() {
+    let program = hall();
+    let (sim, space) = (Simulator::new(&program, WORLD), configuration_space(&program, WORLD));
+    let problem = Problem::new(&sim, GoalId(0));
+    let least = |most| least_steps(&problem, &space, most, &Unwatched).unwrap();
+    for most in [100, 101, 130, 10_000] {
+        assert_eq!(least(most), Some(100), "of {most} steps");
+    }
+    // A run that is faster than the analysis admits: it says nothing.
+    assert_eq!([0, 1, 99].map(least), [None; 3]);
+    // Also after a number of steps, and what takes no longer is shortest.
+    let begun = script_of(&program, WORLD, "move=1*40 -*3");
+    for after in [Vec::new(), vec![begun]] {
+        let (given, left) = if after.is_empty() { (0, 100) } else { (43, 60) };
+        let query = Query { after, style: Some(Style::Fast), ..Query::new(vec![Target::Goal(GoalId(0))]) };
+        let session = Session::new(&program, WORLD, query, &Unwatched);
+        let mut found = session.find(Target::Goal(GoalId(0)), &Unwatched).unwrap();
+        let answer = session.answer(&mut found, &SourceMap::new());
+        assert_eq!((answer.steps, answer.least_steps), (Some(given + left), Some(given + left)));
+        assert_eq!(answer.is_shortest, Some(true));
     }
 }

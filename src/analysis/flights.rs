@@ -9,10 +9,11 @@
 //! all places up to the next edge. This is trace partitioning (Rival and Mauborgne, *The trace partitioning abstract
 //! domain*, TOPLAS 2007) by the last event that began a fall.
 //!
-//! Where modes change, as a button is let go, the steps until then and since are told apart, for players. Where events would
-//! tell little, as modes have changed again or a fall begins at many heights, the state does: falls are told apart by rows
-//! of heights and by ranges of velocities as large as what a step changes, so that a range becomes the next one. What falls
-//! at one velocity is told apart by rows alone: of two at a place the higher one gets further.
+//! Where modes change, as a button is let go, the steps until then and since are told apart, for players, as long as it still
+//! rises. Where events would tell little, as it comes down after that, modes have changed again or a fall begins at many
+//! heights, the state does: falls are told apart by rows of heights and by ranges of velocities as large as what a step
+//! changes, so that a range becomes the next one. What falls at one velocity is told apart by rows alone: of two at a place
+//! the higher one gets further.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -45,11 +46,11 @@ type Course = (Arc<[LeafId]>, Option<[bool; 2]>, Phase);
 enum Phase {
     /// Where it began, and the number of steps since.
     Since(Beginning, u32),
-    /// Its modes have changed once since, from one height at one velocity: where it began, after how many steps they
-    /// changed, and the number of steps since.
+    /// Its modes have changed once since, from one height at one velocity, and it still rises: where it began, after how
+    /// many steps they changed, and the number of steps since.
     Turned(Beginning, u32, u32),
-    /// Its modes have changed since, at any time, or it began at many heights: it is told by its row and its range of
-    /// velocities.
+    /// Its modes have changed since, at any time, and it falls, or it began at many heights: it is told by its row and its
+    /// range of velocities.
     Within(i64, i64),
     /// It goes on at the same velocity (its bits), and is in a row: how long it has lasted does not matter any more.
     Steady(i64, u64),
@@ -278,7 +279,9 @@ impl Flights<'_> {
                 _ if !is_undisturbed => return in_rows(&next, y, step, None),
                 _ if steady.is_some() => return in_rows(&next, y, step, steady),
                 Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
-                Phase::Turned(first, turn, age) if next.leaves == at.leaves => Phase::Turned(first, turn, age + 1),
+                Phase::Turned(first, turn, age) if next.leaves == at.leaves && rises(&next) => {
+                    Phase::Turned(first, turn, age + 1)
+                }
                 Phase::Since(first, age) if is_player && is_thin(&next) && age < MAX_TURNS => {
                     Phase::Turned(first, age, 0)
                 }
@@ -437,12 +440,16 @@ fn is_thin(at: &Configuration) -> bool {
     is(0) && is(1)
 }
 
+/// Whether a configuration may still rise.
+fn rises(at: &Configuration) -> bool {
+    at.vars[VarId::Y][1].hull().is_some_and(|hull| hull.high >= 0.0)
+}
+
 /// Whether a configuration neither rises nor falls on the way to the next.
 fn stays(at: &Configuration, next: &Configuration) -> bool {
     let is_still = |at: &Configuration| at.vars[VarId::Y][1].constant() == Some(0.0);
     let [y, later] = [&at.vars[VarId::Y][0], &next.vars[VarId::Y][0]];
-    later == y && at.vars[VarId::Y][1] == next.vars[VarId::Y][1]
-        || is_still(at) && is_still(next) && later.is_within(y)
+    later == y && at.vars[VarId::Y][1] == next.vars[VarId::Y][1] || is_still(at) && is_still(next) && later.is_within(y)
 }
 
 /// The velocity along y at which a configuration goes on, if it is the same in the next.

@@ -80,7 +80,7 @@ pub use outcome::{Argument, Cut, End, Exhaustion, Outcome, Plan, Statistics, Unf
 pub use planners::Planner;
 pub use probability::Luck;
 pub use problem::{BadStart, Problem, Start, StateStatus, Target, Termination};
-pub use proof::{Proof, TooFar};
+pub use proof::{Proof, TooFar, least_steps};
 pub use search::{Limits, Restart, Settings, search};
 pub use shortcuts::{Effort, take_shortcuts};
 pub use shorten::shorten;

@@ -164,11 +164,16 @@ impl<'a> Portfolio<'a> {
         }
     }
 
+    /// Whether the search takes long.
+    fn is_late(&self) -> bool {
+        self.nodes() >= LATE
+    }
+
     /// The share of a planner.
     fn share(&self, arm: &Arm<'_>) -> u64 {
         match self.fastest {
             Some(_) => arm.share_for_faster,
-            None if self.nodes() >= LATE => arm.share_when_late,
+            None if self.is_late() => arm.share_when_late,
             None => arm.share,
         }
     }
@@ -176,7 +181,7 @@ impl<'a> Portfolio<'a> {
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
         let nearest = self.arms.iter().map(|arm| arm.nearest.0).min().unwrap_or(u32::MAX);
-        let is_late = self.nodes() >= LATE;
+        let is_late = self.is_late();
         (0..self.arms.len()).min_by_key(|at| {
             let arm = &self.arms[*at];
             let is_left = self.fastest.is_none() && arm.is_left_behind(nearest, is_late);

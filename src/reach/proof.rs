@@ -6,7 +6,7 @@ use crate::ir::SlotId;
 use crate::sim::Fault;
 use crate::watch::Watch;
 
-use super::problem::{Problem, Target};
+use super::problem::{Problem, Start, Target};
 
 /// The argument that a goal cannot be reached; each part would need the opposite truth value.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,42 +38,87 @@ pub struct TooFar {
 /// Upper limit of the search for the lower bound.
 const MAX_STEPS: u64 = 1 << 32;
 
+/// How far players can come in a number of steps from the starts of a search.
+struct Travel<'t> {
+    problem: &'t Problem<'t>,
+    space: &'t ConfigurationSpace,
+    starts: Vec<Start>,
+}
+
+impl<'t> Travel<'t> {
+    /// From the starts of a goal's search; `None` of a `never`, and if the watch stops their replay.
+    fn of(
+        problem: &'t Problem<'t>,
+        space: &'t ConfigurationSpace,
+        watch: &dyn Watch,
+    ) -> Result<Option<Travel<'t>>, Fault> {
+        match problem.target {
+            Target::Goal(_) => Ok(problem.starts(watch)?.map(|starts| Travel { problem, space, starts })),
+            Target::Never(_) => Ok(None),
+        }
+    }
+
+    /// Where a player can be at most so many steps after a start, per axis; `None` if it can be anywhere.
+    fn within(&self, player: SlotId, start: &Start, steps: u64) -> Option<[Interval; 2]> {
+        let sim = self.problem.sim;
+        let (x, y) = sim.position(&start.state, player);
+        self.space.within_steps(sim.program(), sim.world_id(), player, [x, y], steps)
+    }
+
+    /// Whether the goal can hold within a number of steps, judging by one player.
+    fn can(&self, player: SlotId, steps: u64) -> bool {
+        let sim = self.problem.sim;
+        self.starts.iter().any(|start| {
+            self.within(player, start, steps).is_none_or(|part| {
+                let part = (player, sim.space(&start.state, player), part);
+                self.space.can_hold_in(sim.program(), sim.world_id(), self.problem.predicate(), part)
+            })
+        })
+    }
+
+    /// The least number of steps within which it can, judging by one player: more than `low`, and at most `high`.
+    fn least(&self, player: SlotId, mut low: u64, mut high: u64) -> u64 {
+        while low + 1 < high {
+            let middle = low.midpoint(high);
+            if self.can(player, middle) { high = middle } else { low = middle }
+        }
+        low + 1
+    }
+}
+
+/// A lower bound of the number of steps from a start of a search to its goal, judging by how fast players are, if one is
+/// known; of a goal to which a path of `most` steps is known.
+///
+/// # Errors
+/// A [`Fault`] if the initial state breaks a rule.
+pub fn least_steps(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    most: u64,
+    watch: &dyn Watch,
+) -> Result<Option<u64>, Fault> {
+    let Some(travel) = Travel::of(problem, space, watch)? else { return Ok(None) };
+    let is_far = |player: &&SlotId| most > 0 && !travel.can(**player, 0) && travel.can(**player, most);
+    Ok(problem.players().iter().filter(is_far).map(|player| travel.least(*player, 0, most)).max())
+}
+
 impl TooFar {
     /// A proof that no player can be where the goal holds within the time limit, if there is one.
     ///
     /// # Errors
     /// A [`Fault`] if the initial state breaks a rule.
     pub fn of(problem: &Problem<'_>, space: &ConfigurationSpace, watch: &dyn Watch) -> Result<Option<TooFar>, Fault> {
-        let (Some(time), Target::Goal(_)) = (problem.time(), problem.target) else { return Ok(None) };
-        let Some(starts) = problem.starts(watch)? else { return Ok(None) };
-        let (sim, predicate) = (problem.sim, problem.predicate());
-        let within = |player: SlotId, state: &[u8], steps: u64| {
-            let (x, y) = sim.position(state, player);
-            space.within_steps(sim.program(), sim.world_id(), player, [x, y], steps)
-        };
-        // Whether the goal can hold within a number of steps, judging by one player.
-        let can = |player: SlotId, steps: u64| {
-            starts.iter().any(|start| {
-                within(player, &start.state, steps).is_none_or(|part| {
-                    let part = (player, sim.space(&start.state, player), part);
-                    space.can_hold_in(sim.program(), sim.world_id(), predicate, part)
-                })
-            })
-        };
-        let time = u64::from(time);
-        let found = problem.players().iter().find(|player| !can(**player, time)).map(|&player| {
+        let Some(time) = problem.time().map(u64::from) else { return Ok(None) };
+        let Some(travel) = Travel::of(problem, space, watch)? else { return Ok(None) };
+        let found = problem.players().iter().find(|player| !travel.can(**player, time)).map(|&player| {
             let (mut low, mut high) = (time, time.saturating_mul(2).max(1));
-            while high < MAX_STEPS && !can(player, high) {
+            while high < MAX_STEPS && !travel.can(player, high) {
                 (low, high) = (high, high * 2);
             }
-            // It cannot hold after `low` steps; after `high` it may.
-            while low + 1 < high {
-                let middle = low.midpoint(high);
-                if can(player, middle) { high = middle } else { low = middle }
-            }
-            let parts = starts.iter().filter_map(|start| within(player, &start.state, time));
+            let parts = travel.starts.iter().filter_map(|start| travel.within(player, start, time));
             let hull = parts.reduce(|a, b| [a[0].or(b[0]), a[1].or(b[1])]);
-            TooFar { player, within: hull.unwrap_or([Interval::ALL; 2]), least: low + 1 }
+            let least = travel.least(player, low, high);
+            TooFar { player, within: hull.unwrap_or([Interval::ALL; 2]), least }
         });
         Ok(found)
     }

@@ -471,6 +471,9 @@ impl<'p, 'm> Shortcuts<'p, 'm> {
 
     /// Whether inputs are held for their minimum time if `trial` replaces a part of the way.
     fn is_admitted(&self, from: usize, replaced: usize) -> bool {
+        if self.problem.min_hold() <= 1 {
+            return true;
+        }
         let (before, after) = (&self.way.inputs[..from], &self.way.inputs[replaced..]);
         let mut whole = self.prefix.0.clone();
         let all = before.iter().chain(&self.trial.inputs).chain(after);

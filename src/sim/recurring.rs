@@ -313,6 +313,16 @@ impl Memory {
         self.states.iter().map(of).sum()
     }
 
+    /// What was known of an instance does not hold in this step: its contacts are found, and it does not sleep.
+    fn rouse(&mut self, number: u32) {
+        let one = &self.all[number as usize];
+        if one.sleeps {
+            self.roused.push(number);
+            self.asleep -= one.work;
+        }
+        self.unsettled.push(one.slot);
+    }
+
     fn of_slot(&mut self, slot: usize) -> Option<&mut Recurring> {
         self.all.get_mut(self.numbers[slot] as usize)
     }
@@ -364,18 +374,14 @@ impl Recall for Memory {
     }
 
     fn meet(&mut self, slot: usize, state: &mut [u8]) -> bool {
-        let Memory { all, states, numbers, unsettled, roused, asleep, .. } = self;
+        let Memory { all, states, numbers, .. } = self;
         let number = numbers[slot];
         let Some(one) = all.get_mut(number as usize) else { return false };
         if std::mem::replace(&mut one.is_touched, true) || !one.is_recalled {
             return false;
         }
-        if one.sleeps {
-            roused.push(number);
-            *asleep -= one.work;
-        }
         state[one.block.0..one.block.1].copy_from_slice(states[one.of as usize].moved(one.state));
-        unsettled.push(one.slot);
+        self.rouse(number);
         true
     }
 
@@ -387,18 +393,13 @@ impl Recall for Memory {
     }
 
     fn lose(&mut self, slot: usize) {
-        let Memory { all, numbers, moving, unsettled, roused, asleep, .. } = self;
-        let number = numbers[slot];
-        let Some(one) = all.get_mut(number as usize) else { return };
+        let number = self.numbers[slot];
+        let Some(one) = self.all.get_mut(number as usize) else { return };
         one.is_touched = true;
         if std::mem::take(&mut one.is_recalled) {
-            if one.sleeps {
-                roused.push(number);
-                *asleep -= one.work;
-            }
             one.rests = false;
-            moving.push(one.slot);
-            unsettled.push(one.slot);
+            self.moving.push(one.slot);
+            self.rouse(number);
         }
     }
 

@@ -120,10 +120,15 @@ fn verdict(answer: &Answer, shown: &Shown<'_>) -> String {
     }
 }
 
-/// The class of inputs in which the path is shortest.
+/// The class of inputs in which the path is shortest; if that is not known, how short it could be.
 fn shortest(answer: &Answer, shown: &Shown<'_>) -> String {
     if answer.is_shortest != Some(true) {
-        return "not proven shortest".to_string();
+        // Little is said by a bound that is far away.
+        let least = answer.least_steps.filter(|least| answer.steps.is_some_and(|steps| 2 * least >= steps));
+        return format!(
+            "not proven shortest{}",
+            least.map(|of| format!(": it takes at least {of}")).unwrap_or_default()
+        );
     }
     let axes = if answer.reads_between { " with axes at -1, 0 and 1" } else { "" };
     format!("shortest{axes}{}", inputs_words(shown))

@@ -202,7 +202,8 @@ pub struct Answer {
     /// contacts. Left out if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<u32>,
-    /// If it takes more steps than allowed: a lower bound of their number.
+    /// A lower bound of the number of steps, if one is known: of a goal that takes more than allowed, and of one that is
+    /// reached, from where its path begins.
     pub least_steps: Option<u64>,
     /// The number of steps of the path; null if there is none.
     pub steps: Option<u64>,

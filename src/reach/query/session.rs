@@ -18,6 +18,7 @@ use super::super::outcome::{End, Outcome, Plan, Verdict};
 use super::super::planners::Planner;
 use super::super::probability::Luck;
 use super::super::problem::{BadStart, Problem, Target, Termination};
+use super::super::proof::least_steps;
 use super::super::reach;
 use super::super::robust::{Improved, Jitter};
 use super::super::search::{Limits, Settings, search};
@@ -368,7 +369,23 @@ impl Session {
         {
             answer.reasons.push(format!("inputs with {unpressed} were not tried, as asked"));
         }
+        if let Some(least) = self.least_steps(found) {
+            let is_shortest = self.query.after.len() <= 1 && answer.steps == Some(least);
+            answer.least_steps = Some(least);
+            answer.is_shortest = answer.is_shortest.map(|known| known || is_shortest);
+        }
         Answer { violations, luck, spaces, why_not, robust, ..answer }
+    }
+
+    /// A lower bound of the number of steps to a goal that was reached, from where its path begins, if the analysis knows
+    /// one.
+    fn least_steps(&self, found: &Found<'_>) -> Option<u64> {
+        let (problem, plan) = (found.problem.as_ref()?, found.plan()?);
+        if self.refutation().is_some() {
+            return None;
+        }
+        let least = least_steps(problem, &self.space, plan.steps - plan.after, &Unwatched).ok()??;
+        Some(plan.after + least)
     }
 
     /// What came nearest to a target that was not reached, if the search kept it.
@@ -418,13 +435,11 @@ impl Session {
             Some(observer) => problem.observed(observer),
             None => problem,
         };
-        let hastens = settings.hold.is_none() && self.query.style.is_none() && observer.is_none();
+        let is_free = settings.planner == Planner::Auto && settings.hold.is_none();
+        let hastens = is_free && self.query.style.is_none() && observer.is_none();
         let settings = &Settings { hastens, ..*settings };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
-        if hastens
-            && settings.planner == Planner::Auto
-            && let Verdict::Reached(plan) = &outcome.verdict
-        {
+        if hastens && let Verdict::Reached(plan) = &outcome.verdict {
             let effort = Effort::Brief(outcome.statistics.steps);
             outcome.verdict = Verdict::Reached(take_shortcuts(&problem, plan, effort, watch));
         }

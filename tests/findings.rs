@@ -158,7 +158,7 @@ fn guards_turn_out_as_they_can() {
                         continue;
                     }
                     let leaves: Vec<_> = entity.groups.ids().map(|g| layout.leaf(state, g)).collect();
-                    let Some(at) = space.slots[slot].configurations.iter().find(|c| c.leaves == leaves) else {
+                    let Some(at) = space.slots[slot].configurations.iter().find(|c| *c.leaves == *leaves) else {
                         found.push(format!("{}: {leaves:?} of {}", path.display(), s.name));
                         return false;
                     };

@@ -68,7 +68,7 @@ fn drawn(sim: &Simulator, claims: &Claims, samples: &[Vec<u8>], rng: &mut Pcg64)
         }
         if way == 2 {
             let other = &space.configurations[rng.random_range(0..space.configurations.len())];
-            for (group, leaf) in entity.groups.ids().zip(&other.leaves) {
+            for (group, leaf) in entity.groups.ids().zip(&*other.leaves) {
                 layout.set_leaf(&mut state, group, *leaf);
             }
         }

@@ -11,6 +11,7 @@ export interface Answer {
   is_expected: boolean;
   is_withdrawn: boolean;
   is_shortest: boolean | null;
+  least_steps: number | null;
   reasons: string[];
   assumptions: string[];
   steps: number | null;
@@ -70,8 +71,11 @@ function verdictText({ verdict }: Answer): string {
   return verdict === 'exhausted' ? 'no way with axes at -1, 0 and 1, which is no proof' : verdict.replaceAll(/[-_]/g, ' ');
 }
 
-function shortestText({ is_shortest, reads_between }: Answer): string {
-  if (!is_shortest) return 'not proven shortest';
+function shortestText({ is_shortest, reads_between, steps, least_steps }: Answer): string {
+  if (!is_shortest) {
+    const least = least_steps !== null && steps !== null && 2 * least_steps >= steps ? `: it takes at least ${least_steps}` : '';
+    return `not proven shortest${least}`;
+  }
   return reads_between ? 'shortest with axes at -1, 0 and 1' : 'shortest';
 }
 

@@ -48,6 +48,22 @@ fn what_has_to_be_slow_or_pushed_is_found() {
     }
 }
 
+#[test]
+fn what_lies_behind_locked_doors_is_found_though_distances_lead_to_the_doors() {
+    let (guided, auto) = (Planner::DistanceGuided, Planner::Auto);
+    for (name, goal, planner) in [
+        ("maze", "chalice", guided),
+        ("maze", "chalice", auto),
+        ("maze_loops", "red_door", guided),
+        ("maze_loops", "chalice", auto),
+        ("stealth", "away", auto),
+    ] {
+        let program = program(compile(Path::new(&format!("benches/worlds/{name}.hyped")), &Disk));
+        let found = (1..=3).filter(|&seed| find(&program, goal, (seed, 200_000), planner).is_some());
+        assert_eq!(found.count(), 3, "{name}, {goal}, {planner:?}");
+    }
+}
+
 /// A box on a bench that a hero pushes from the left onto a button, two rooms away from where a straight line leads.
 const BOX: &str = "
     entity Hero {

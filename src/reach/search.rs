@@ -249,7 +249,8 @@ impl<'a> Builder<'_, 'a> {
                     add(Planner::TimeGuided, shares.by_time);
                     add(Planner::Beam, &[shares.beam]);
                 }
-                add(Planner::Coverage, &[[shares.coverage, shares.coverage, 0]]);
+                let late = if is_certain { shares.coverage_when_late } else { shares.coverage };
+                add(Planner::Coverage, &[[shares.coverage, late, 0]]);
                 add(Planner::Rrt, &[[1, 1, 0]]);
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
@@ -410,8 +411,10 @@ struct Shares {
     beam: [u64; 3],
     /// Of a tree by whole jumps, if any, where the goal has a position: most of the work once the others have found nothing.
     by_jumps: &'static [[u64; 3]],
-    /// Of a tree by coverage alone, where distances lead astray.
+    /// Of a tree by coverage alone, where distances lead astray: at first, and when the search takes long and nothing else
+    /// does without distances.
     coverage: u64,
+    coverage_when_late: u64,
 }
 
 /// The shares as a rule, and with a time limit.
@@ -419,8 +422,9 @@ const AUTO: Shares = Shares {
     blended: 8,
     by_time: &[[5, 5, 3], [3, 3, 2], [2, 2, 0]],
     beam: [6, 12, 4],
-    by_jumps: &[[2, 24, 0]],
+    by_jumps: &[[8, 72, 0]],
     coverage: 4,
+    coverage_when_late: 12,
 };
 const IN_TIME: Shares = Shares {
     blended: 8,
@@ -428,6 +432,7 @@ const IN_TIME: Shares = Shares {
     beam: [6, 6, 4],
     by_jumps: &[],
     coverage: 1,
+    coverage_when_late: 1,
 };
 
 #[cfg(test)]

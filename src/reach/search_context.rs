@@ -279,6 +279,11 @@ impl<'a> SearchContext<'a> {
         self.rng.random_range(least..=most)
     }
 
+    /// The least number of steps for which an input is held.
+    pub fn least_hold(&self) -> u16 {
+        self.hold.0
+    }
+
     /// A random node of the tree.
     pub fn draw_node(&mut self) -> NodeId {
         NodeId(self.rng.random_range(0..self.tree.len().max(1)) as u32)
@@ -305,6 +310,21 @@ impl<'a> SearchContext<'a> {
     pub fn draw_untried_holding(&mut self, node: NodeId) -> Option<Choice> {
         let choice = self.draw_untried(node)?;
         Some(Choice { input: self.hold_ahead(node, choice.input), ..choice })
+    }
+
+    /// As [`SearchContext::draw_untried_holding`], with the input that goes on with what led to the node, as far as its
+    /// modes read that.
+    pub fn draw_continuing(&mut self, node: NodeId) -> Option<Choice> {
+        let before = self.tree.before(node)?;
+        let held = self.controls.input(self.tree.set(before.node), before.input);
+        let set = self.tree.set(node);
+        let differs = |index: &usize| held.difference(self.controls.input(set, *index));
+        let input = (0..self.controls.count(set)).min_by_key(differs)?;
+        if !self.tree.mark_tried(node, input) {
+            return self.draw_untried_holding(node);
+        }
+        let hold = self.draw_hold();
+        Some(Choice { node, input: self.hold_ahead(node, input), hold })
     }
 
     /// An input of a node with what only the modes ahead read.

@@ -32,6 +32,16 @@ impl Input {
         Input(players, Draws::default())
     }
 
+    /// The number of buttons and axes in which the inputs of the players differ.
+    pub fn difference(&self, other: &Input) -> u32 {
+        let players = self.0.iter().zip(&other.0);
+        let of_player = |(one, other): (&PlayerInput, &PlayerInput)| {
+            let axes = one.axes.iter().zip(&other.axes).filter(|(a, b)| a != b).count() as u32;
+            (one.buttons ^ other.buttons).count_ones() + axes
+        };
+        players.map(of_player).sum()
+    }
+
     /// Empty input for a number of players.
     pub fn nothing(players: usize) -> Input {
         Input(vec![PlayerInput::default(); players], Draws::default())

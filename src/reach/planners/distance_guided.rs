@@ -9,7 +9,10 @@
 //!
 //! It searches in one of two manners. As a planner of its own, it tries jumps as a whole: where players can rest (in modes in
 //! which they were seen to stay where they are) is worth more choices than where they fly past, and what leaves a rest is
-//! extended further until it comes to the next one. Beside coverage in one tree (`blended.rs`), all places are alike.
+//! extended further until it comes to the next one, mostly with the input that it left with. Some choices are made as if
+//! all places were alike, for what has to be steered in flight; two queues alternate, after Röger and Helmert, *The More,
+//! the Merrier: Combining Heuristic Estimators for Satisficing Planning*, 2010. Beside coverage in one tree (`blended.rs`),
+//! and where players can rest in all modes that were seen, all places are alike.
 //!
 //! With a time limit, the cost is the number of steps to the place plus a lower bound of the rest, as in a weighted A*
 //! (Pohl 1970), and of the nodes with a similar velocity at a place only the earliest are kept, as the archive of
@@ -36,18 +39,32 @@ use super::player_cells::PlayerCells;
 /// How places are chosen.
 #[derive(Debug, Clone, Copy)]
 struct Manner {
-    /// Cost of a place per place on the path to the goal, and per choice where players cannot rest; elsewhere it is 1.
-    distance: u64,
-    in_flight: u64,
+    /// The costs by which they are chosen; if there are two, by the second ones now and then.
+    costs: &'static [Costs],
     /// Maximum number of further extensions until a rest.
     further: u32,
     /// One choice in this number is a random place.
     random_one_in: u32,
 }
 
+/// Costs of a place: per place on the path to the goal, and per choice where players cannot rest; elsewhere it is 1.
+#[derive(Debug, Clone, Copy)]
+struct Costs {
+    distance: u64,
+    in_flight: u64,
+}
+
 /// By whole jumps, and by places alone.
-const BY_JUMPS: Manner = Manner { distance: 8, in_flight: 4, further: 8, random_one_in: 32 };
-const BY_PLACES: Manner = Manner { distance: 4, in_flight: 1, further: 0, random_one_in: 8 };
+const BY_JUMPS: Manner = Manner {
+    costs: &[Costs { distance: 4, in_flight: 8 }, Costs { distance: 16, in_flight: 1 }],
+    further: 8,
+    random_one_in: 32,
+};
+const BY_PLACES: Manner = Manner { costs: &[Costs { distance: 4, in_flight: 1 }], further: 0, random_one_in: 8 };
+/// One choice in this number is by the second costs.
+const SECOND_ONE_IN: u32 = 3;
+/// One input in this number is another than that before in a flight.
+const CHANGES_ONE_IN: u32 = 4;
 /// With a time limit: weight of the remaining steps, in quarters, and cost per choice; the steps to the place have
 /// weight 1.
 const REST: u64 = 6;
@@ -94,12 +111,16 @@ pub struct DistanceGuided<'m> {
     estimates: Vec<Estimate>,
     /// With a time limit: minimum number of steps to each innermost cell.
     soonest: HashMap<u64, u32>,
-    queue: BinaryHeap<Queued>,
+    /// By each of the costs.
+    queues: [BinaryHeap<Queued>; 2],
     /// The least distance of a place of this tree.
     nearest: u32,
-    /// The modes in which players were seen to rest.
+    /// The modes in which players were seen to rest, and those in which they were seen, but not to rest.
     restful: Vec<u64>,
+    restless: Vec<u64>,
     flight: Option<Flight>,
+    /// The point of a node before.
+    before: Point,
 }
 
 impl<'m> DistanceGuided<'m> {
@@ -123,10 +144,12 @@ impl<'m> DistanceGuided<'m> {
             cells: Cells::default(),
             estimates: Vec::new(),
             soonest: HashMap::default(),
-            queue: BinaryHeap::new(),
+            queues: [BinaryHeap::new(), BinaryHeap::new()],
             nearest: u32::MAX,
             restful: Vec::new(),
+            restless: Vec::new(),
             flight: None,
+            before: Point::default(),
         }
     }
 
@@ -141,7 +164,8 @@ impl<'m> DistanceGuided<'m> {
         self.cells.remove(node);
     }
 
-    fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point, from: Option<NodeId>) {
+    fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point, choice: Option<Choice>) {
+        let from = choice.map(|choice| choice.node);
         // All are one to who does not tell rests.
         let modes = if self.manner.further > 0 { self.players.modes(point) } else { 0 };
         let [place, cell] = self.players.keys(context, point, PLACE);
@@ -154,7 +178,7 @@ impl<'m> DistanceGuided<'m> {
             }
             *soonest = depth.min(*soonest);
         }
-        let is_rest = self.is_rest(context, modes, from);
+        let is_rest = self.is_rest(context, (point, modes), choice);
         let (place, is_new) = self.cells.add(node, &keys);
         if place as usize >= self.estimates.len() {
             let estimates = self.distances.map_or(Estimate::default(), |distances| {
@@ -180,19 +204,28 @@ impl<'m> DistanceGuided<'m> {
     }
 
     /// Whether players can rest in the modes of the node that was added last: they were seen to, or have just done so.
-    fn is_rest(&mut self, context: &mut SearchContext<'_>, modes: u64, from: Option<NodeId>) -> bool {
+    fn is_rest(
+        &mut self,
+        context: &mut SearchContext<'_>,
+        (point, modes): (&Point, u64),
+        choice: Option<Choice>,
+    ) -> bool {
         if self.manner.further == 0 || self.restful.contains(&modes) {
             return true;
         }
-        let Some(from) = from else { return false };
-        let sim = context.problem.sim;
-        let is_rest = context.problem.players().iter().all(|&slot| {
-            let here = sim.position(context.reached(), slot);
-            here == sim.position(context.tree.state(from, &mut context.buffer), slot)
-        });
+        let Some(choice) = choice else { return false };
+        // A longer extension may have come back.
+        let is_rest = choice.hold == context.least_hold()
+            && self.players.are_at_rest(context, choice.node, (point, &mut self.before));
+        let tried_jumps = self.manner().further > 0;
         if is_rest {
             self.restful.push(modes);
-            // The costs of some places are lower now.
+            self.restless.retain(|other| *other != modes);
+        } else if !self.restless.contains(&modes) {
+            self.restless.push(modes);
+        }
+        if is_rest || tried_jumps != (self.manner().further > 0) {
+            // The costs of some places are others now.
             for at in 0..self.cells.first().len() {
                 self.enqueue(context, self.cells.first()[at]);
             }
@@ -200,32 +233,53 @@ impl<'m> DistanceGuided<'m> {
         is_rest
     }
 
-    fn cost(&self, place: u32, is_timed: bool) -> u64 {
+    /// How places are chosen now: no jumps are tried while none were seen.
+    fn manner(&self) -> Manner {
+        if self.restless.is_empty() && !self.restful.is_empty() { BY_PLACES } else { self.manner }
+    }
+
+    fn cost(&self, place: u32, costs: Costs, is_timed: bool) -> u64 {
         let estimates = &self.estimates[place as usize];
         let chosen = u64::from(self.cells.chosen(place));
         if is_timed {
             u64::from(estimates.soonest) + u64::from(estimates.rest) * REST / 4 + chosen * CHOSEN_TIMED
         } else {
-            let per_choice = if self.restful.contains(&estimates.modes) { 1 } else { self.manner.in_flight };
-            u64::from(estimates.places) * self.manner.distance + chosen * per_choice
+            let per_choice = if self.restful.contains(&estimates.modes) { 1 } else { costs.in_flight };
+            u64::from(estimates.places) * costs.distance + chosen * per_choice
         }
     }
 
-    /// Queues an open place by its current cost.
+    /// Queues an open place by its current costs.
     fn enqueue(&mut self, context: &mut SearchContext<'_>, place: u32) {
-        let cost = self.cost(place, context.problem.time().is_some());
-        self.queue.push(Reverse((cost, context.rng.random(), place)));
+        let (manner, is_timed) = (self.manner(), context.problem.time().is_some());
+        for (which, &costs) in manner.costs.iter().enumerate() {
+            let cost = self.cost(place, costs, is_timed);
+            self.queues[which].push(Reverse((cost, context.rng.random(), place)));
+        }
     }
 
-    /// The cheapest open place.
-    fn cheapest(&mut self, is_timed: bool) -> Option<u32> {
-        while let Some(Reverse((cost, _, place))) = self.queue.pop() {
+    /// The cheapest open place by some of the costs.
+    fn cheapest(&mut self, which: usize, is_timed: bool) -> Option<u32> {
+        let costs = self.manner().costs[which];
+        while let Some(Reverse((cost, _, place))) = self.queues[which].pop() {
             // Skip entries that are outdated or closed.
-            if self.cost(place, is_timed) == cost && !self.cells.inside(place).is_empty() {
+            if self.cost(place, costs, is_timed) == cost && !self.cells.inside(place).is_empty() {
                 return Some(place);
             }
         }
         None
+    }
+
+    /// An untried input of a node in flight: as a rule, that of the last one.
+    fn draw_further(&mut self, context: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
+        if context.rng.random_ratio(1, CHANGES_ONE_IN) {
+            return self.draw(context, node);
+        }
+        let choice = context.draw_continuing(node);
+        if context.tree.untried(node) == 0 {
+            self.cells.remove(node);
+        }
+        choice
     }
 
     /// An untried input of a node, which is forgotten with the last one.
@@ -241,25 +295,27 @@ impl<'m> DistanceGuided<'m> {
 impl Strategy for DistanceGuided<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
         if let Some(flight) = self.flight
-            && let Some(choice) = self.draw(context, flight.node)
+            && let Some(choice) = self.draw_further(context, flight.node)
         {
             return Some(choice);
         }
-        let place = if context.rng.random_ratio(1, self.manner.random_one_in) {
+        let manner = self.manner();
+        let place = if context.rng.random_ratio(1, manner.random_one_in) {
             let open = self.cells.first();
             if open.is_empty() {
                 return None;
             }
             open[context.rng.random_range(0..open.len())]
         } else {
-            self.cheapest(context.problem.time().is_some())?
+            let which = usize::from(manner.costs.len() > 1 && context.rng.random_ratio(1, SECOND_ONE_IN));
+            self.cheapest(which, context.problem.time().is_some())?
         };
         self.cells.choose(place);
         let inner = self.cells.draw(context, self.cells.inside(place))?;
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
         let choice = self.draw(context, node);
-        let left = self.manner.further;
+        let left = manner.further;
         self.flight = (left > 0).then_some(Flight { node, from: place, left });
         if !self.cells.inside(place).is_empty() {
             self.enqueue(context, place);
@@ -274,12 +330,12 @@ impl Strategy for DistanceGuided<'_> {
                 self.cells.clear();
                 self.estimates.clear();
                 self.soonest.clear();
-                self.queue.clear();
+                self.queues.iter_mut().for_each(BinaryHeap::clear);
                 self.nearest = u32::MAX;
                 self.flight = None;
                 self.add(context, root, point, None);
             }
-            Growth::Added(node, point) => self.add(context, node, point, from),
+            Growth::Added(node, point) => self.add(context, node, point, choice),
             Growth::Failed | Growth::Late => self.flight = self.flight.filter(|flight| Some(flight.node) != from),
         }
     }
@@ -293,6 +349,6 @@ impl Strategy for DistanceGuided<'_> {
         self.cells.bytes()
             + self.estimates.capacity() * size_of::<Estimate>()
             + self.soonest.capacity() * 16
-            + self.queue.capacity() * size_of::<Queued>()
+            + self.queues.iter().map(|queue| queue.capacity() * size_of::<Queued>()).sum::<usize>()
     }
 }

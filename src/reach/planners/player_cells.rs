@@ -7,6 +7,7 @@ use crate::reach::distance::DistanceField;
 use crate::reach::metric::{Coordinate, Metric, Point, Quantity};
 use crate::reach::problem::Problem;
 use crate::reach::search_context::SearchContext;
+use crate::reach::tree::NodeId;
 use crate::reach::why_not::Margins;
 
 use super::Guidance;
@@ -19,12 +20,21 @@ const LED: f64 = 4.0;
 pub(super) struct PlayerCells<'m> {
     /// Who else the distance to the goal is of, such as a crate: its place counts, too.
     led: Option<SlotId>,
-    /// The coordinates of velocities, with their cells per unit of distance and the offset of the first.
-    velocities: Vec<(usize, f32, f32)>,
+    velocities: Vec<Velocity>,
     /// The groups, as indices of modes.
     modes: Vec<usize>,
     /// What the goal asks of numbers.
     margins: &'m Margins,
+}
+
+/// The coordinate of a velocity, which is 0 at the lower end of its range.
+#[derive(Debug, Clone, Copy)]
+struct Velocity {
+    index: usize,
+    /// Cells per unit of distance.
+    scale: f32,
+    /// The coordinate where nothing moves.
+    zero: f32,
 }
 
 impl<'m> PlayerCells<'m> {
@@ -34,7 +44,7 @@ impl<'m> PlayerCells<'m> {
         let velocity = |(index, c): (usize, &Coordinate)| match c.quantity {
             Quantity::Var(slot, var, 1) if is_player(slot) && var.is_position() => {
                 let width = (c.high - c.low).greatest(f64::MIN_POSITIVE);
-                Some((index, (count * c.unit / width) as f32, c.scaled(c.low)))
+                Some(Velocity { index, scale: (count * c.unit / width) as f32, zero: c.scaled(0.0) })
             }
             _ => None,
         };
@@ -57,6 +67,31 @@ impl<'m> PlayerCells<'m> {
         self.modes.iter().fold(1, |key, &index| mix(key, u64::from(point.modes[index].to_bits())))
     }
 
+    /// Whether all velocities of the players are 0 at a point.
+    fn is_still(&self, point: &Point) -> bool {
+        self.velocities.iter().all(|velocity| point.reals[velocity.index] == velocity.zero)
+    }
+
+    /// Whether the players have rested from a node to the one that was added last, which has a point: nothing moved, in
+    /// the same modes.
+    pub fn are_at_rest(
+        &self,
+        context: &mut SearchContext<'_>,
+        from: NodeId,
+        (point, before): (&Point, &mut Point),
+    ) -> bool {
+        let sim = context.problem.sim;
+        let is_there = self.is_still(point)
+            && context.problem.players().iter().all(|&slot| {
+                let here = sim.position(context.reached(), slot);
+                here == sim.position(context.tree.state(from, &mut context.buffer), slot)
+            });
+        is_there && {
+            context.point(from, before);
+            self.is_still(before) && self.modes(before) == self.modes(point)
+        }
+    }
+
     /// The keys of the place of the node that was added last, squares with sides of some length (px), and of its cell in it.
     pub fn keys(&self, context: &SearchContext<'_>, point: &Point, side: f64) -> [u64; 2] {
         let state = context.reached();
@@ -74,8 +109,8 @@ impl<'m> PlayerCells<'m> {
         if let Some(slot) = self.led {
             cell = place_of(context, slot, PLACE / LED, cell);
         }
-        for &(index, scale, offset) in &self.velocities {
-            cell = mix(cell, ((point.reals[index] - offset) * scale).floor() as i64 as u64);
+        for velocity in &self.velocities {
+            cell = mix(cell, (point.reals[velocity.index] * velocity.scale).floor() as i64 as u64);
         }
         cell = mix(cell, self.modes(point));
         [place, self.margins.key(context.problem.sim, state, cell)]

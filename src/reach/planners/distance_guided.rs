@@ -9,10 +9,10 @@
 //!
 //! It searches in one of two manners. As a planner of its own, it tries jumps as a whole: where players can rest (in modes in
 //! which they were seen to stay where they are) is worth more choices than where they fly past, and what leaves a rest is
-//! extended further until it comes to the next one, mostly with the input that it left with. Some choices are made as if
-//! all places were alike, for what has to be steered in flight; two queues alternate, after Röger and Helmert, *The More,
-//! the Merrier: Combining Heuristic Estimators for Satisficing Planning*, 2010. Beside coverage in one tree (`blended.rs`),
-//! and where players can rest in all modes that were seen, all places are alike.
+//! extended further until it comes to the next one, mostly with the input that it left with. For what has to be steered in
+//! flight, some choices are made as if all places were alike, and are of a single extension; two queues alternate, after
+//! Röger and Helmert, *The More, the Merrier: Combining Heuristic Estimators for Satisficing Planning*, 2010. Beside
+//! coverage in one tree (`blended.rs`), and where players can rest in all modes that were seen, all places are alike.
 //!
 //! With a time limit, the cost is the number of steps to the place plus a lower bound of the rest, as in a weighted A*
 //! (Pohl 1970), and of the nodes with a similar velocity at a place only the earliest are kept, as the archive of
@@ -300,6 +300,7 @@ impl Strategy for DistanceGuided<'_> {
             return Some(choice);
         }
         let manner = self.manner();
+        let mut left = manner.further;
         let place = if context.rng.random_ratio(1, manner.random_one_in) {
             let open = self.cells.first();
             if open.is_empty() {
@@ -308,6 +309,9 @@ impl Strategy for DistanceGuided<'_> {
             open[context.rng.random_range(0..open.len())]
         } else {
             let which = usize::from(manner.costs.len() > 1 && context.rng.random_ratio(1, SECOND_ONE_IN));
+            if which > 0 {
+                left = 0;
+            }
             self.cheapest(which, context.problem.time().is_some())?
         };
         self.cells.choose(place);
@@ -315,7 +319,6 @@ impl Strategy for DistanceGuided<'_> {
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
         let choice = self.draw(context, node);
-        let left = manner.further;
         self.flight = (left > 0).then_some(Flight { node, from: place, left });
         if !self.cells.inside(place).is_empty() {
             self.enqueue(context, place);

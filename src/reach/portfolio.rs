@@ -19,7 +19,7 @@ const LEFT: u64 = 3;
 /// In a search that takes long, it is not getting on after so many times, whether others are ahead or not.
 const STALE_ALONE: u64 = 4;
 /// After so many nodes, a search takes long.
-const LATE: u64 = 16_000;
+const LATE: u64 = 32_000;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
 

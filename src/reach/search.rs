@@ -422,7 +422,7 @@ const AUTO: Shares = Shares {
     blended: 8,
     by_time: &[[5, 5, 3], [3, 3, 2], [2, 2, 0]],
     beam: [6, 12, 4],
-    by_jumps: &[[8, 72, 0]],
+    by_jumps: &[[2, 72, 0]],
     coverage: 4,
     coverage_when_late: 12,
 };

@@ -270,21 +270,9 @@ impl<'m> DistanceGuided<'m> {
         None
     }
 
-    /// An untried input of a node in flight: as a rule, that of the last one.
-    fn draw_further(&mut self, context: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
-        if context.rng.random_ratio(1, CHANGES_ONE_IN) {
-            return self.draw(context, node);
-        }
-        let choice = context.draw_continuing(node);
-        if context.tree.untried(node) == 0 {
-            self.cells.remove(node);
-        }
-        choice
-    }
-
-    /// An untried input of a node, which is forgotten with the last one.
-    fn draw(&mut self, context: &mut SearchContext<'_>, node: NodeId) -> Option<Choice> {
-        let choice = context.draw_untried_holding(node);
+    /// An untried input of a node, which is forgotten with the last one: any, or the one that goes on with that before.
+    fn draw(&mut self, context: &mut SearchContext<'_>, node: NodeId, goes_on: bool) -> Option<Choice> {
+        let choice = if goes_on { context.draw_continuing(node) } else { context.draw_untried_holding(node) };
         if context.tree.untried(node) == 0 {
             self.cells.remove(node);
         }
@@ -294,10 +282,11 @@ impl<'m> DistanceGuided<'m> {
 
 impl Strategy for DistanceGuided<'_> {
     fn choose(&mut self, context: &mut SearchContext<'_>, _toward: &Point) -> Option<Choice> {
-        if let Some(flight) = self.flight
-            && let Some(choice) = self.draw_further(context, flight.node)
-        {
-            return Some(choice);
+        if let Some(flight) = self.flight {
+            let goes_on = !context.rng.random_ratio(1, CHANGES_ONE_IN);
+            if let Some(choice) = self.draw(context, flight.node, goes_on) {
+                return Some(choice);
+            }
         }
         let manner = self.manner();
         let mut left = manner.further;
@@ -318,7 +307,7 @@ impl Strategy for DistanceGuided<'_> {
         let inner = self.cells.draw(context, self.cells.inside(place))?;
         self.cells.choose(inner);
         let node = self.cells.draw_node(context, inner);
-        let choice = self.draw(context, node);
+        let choice = self.draw(context, node, false);
         self.flight = (left > 0).then_some(Flight { node, from: place, left });
         if !self.cells.inside(place).is_empty() {
             self.enqueue(context, place);

@@ -23,6 +23,7 @@ mod controls;
 mod coverage;
 mod distance;
 mod draw;
+mod draw_input;
 mod exact;
 mod exchange;
 mod exhaustive;

@@ -242,8 +242,8 @@ impl<'a> Builder<'_, 'a> {
                         Arm::new(share, searcher).late(late).for_faster(for_faster)
                     }));
                 };
-                if self.guidance.distances.is_some() {
-                    if is_certain {
+                if let Some(distances) = self.guidance.distances {
+                    if is_certain || !self.is_pushed(distances) {
                         add(Planner::DistanceGuided, shares.by_jumps);
                     }
                     add(Planner::TimeGuided, shares.by_time);
@@ -275,12 +275,16 @@ impl<'a> Builder<'_, 'a> {
     /// Number of nodes of the shortest tree of `auto` that is led by distances and by coverage.
     fn restart(&self, distances: Option<&DistanceField>) -> u64 {
         // What is pushed gets stuck, and what comes too fast does not stop: then a tree finds more of the same.
-        let is_pushed = distances.is_some_and(|of| !self.problem.players().contains(&of.slot()));
         match self.guidance.margins.is_empty() {
-            _ if is_pushed => RESTART_PUSHED,
+            _ if distances.is_some_and(|of| self.is_pushed(of)) => RESTART_PUSHED,
             false if distances.is_some() => RESTART_BY_NUMBERS,
             _ => Planner::DistanceGuided.restart(),
         }
+    }
+
+    /// Whether the goal depends on the position of an instance that players can only push.
+    fn is_pushed(&self, distances: &DistanceField) -> bool {
+        !self.problem.players().contains(&distances.slot())
     }
 
     /// Exhaustive searches with inputs that change only every few steps, finer and finer, up to all that the question

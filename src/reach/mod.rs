@@ -31,6 +31,7 @@ mod explore;
 mod goal_positions;
 mod improve_duration;
 mod interval;
+mod known_states;
 mod lost;
 mod luck;
 mod metric;

@@ -7,6 +7,7 @@
 use rand::RngExt;
 
 use super::distance::DistanceField;
+use super::known_states::KnownStates;
 use super::lost::Lost;
 use super::metric::Point;
 use super::outcome::Plan;
@@ -55,6 +56,9 @@ pub(super) struct Sampler<'a> {
     /// Maximum number of steps of a path: one less than the fastest has, of this search or of others.
     most: Option<u32>,
     lost: &'a Lost,
+    /// The states of the tree, where they are not added again: of a strategy that tries each input of a node once, in a world
+    /// where nature does not draw.
+    known: Option<KnownStates>,
     /// The distance field, if ways are exchanged with other searches.
     exchanged: Option<&'a DistanceField>,
     /// The least distance of a node so far, and the node, if it is of the current tree.
@@ -82,6 +86,7 @@ impl<'a> Sampler<'a> {
     ) -> Self {
         // Near to an edge is not near to the goal: what is too fast there gets no further.
         let exchanged = distances.filter(|of| of.is_goal() && context.can_exchange());
+        let known = (goal_bias.is_none() && context.luck.is_none()).then(KnownStates::default);
         let region = GoalRegion::new(context.problem, context.metric);
         let coordinates = context.metric.coordinates().len() as u64 + 1;
         Sampler {
@@ -96,6 +101,7 @@ impl<'a> Sampler<'a> {
             fastest: None,
             most: None,
             lost,
+            known,
             exchanged,
             nearest: (u32::MAX, None),
             way: Vec::new(),
@@ -112,10 +118,25 @@ impl<'a> Sampler<'a> {
     /// Adds states on the latest way that was adopted as roots.
     fn add_adopted(&mut self) {
         for start in self.context.adopted() {
-            let root = self.context.add_root(start, true);
-            self.context.point(root, &mut self.point);
+            let root = self.add_root(start);
             self.strategy.learn(&mut self.context, None, Growth::Added(root, &self.point));
         }
+    }
+
+    /// Adds a start as a root, with its point.
+    fn add_root(&mut self, start: usize) -> NodeId {
+        let root = self.context.add_root(start, true);
+        self.context.point(root, &mut self.point);
+        if let Some(known) = &mut self.known {
+            known.add(root, self.context.reached());
+        }
+        root
+    }
+
+    /// Whether a choice has led to a state that the tree had reached as soon before.
+    fn is_known(&self, choice: Choice) -> bool {
+        let (context, depth) = (&self.context, self.context.tree.depth(choice.node) + u32::from(choice.hold));
+        self.known.as_ref().is_some_and(|known| known.has(&context.tree, context.reached(), depth))
     }
 
     /// Keeps the way to the nearest node of the tree, which is removed next.
@@ -143,10 +164,10 @@ impl<'a> Sampler<'a> {
         self.max_tree_nodes =
             self.restart.map_or(u64::MAX, |shortest| shortest.max(2).saturating_mul(luby(self.round)));
         self.context.clear();
+        self.known.iter_mut().for_each(KnownStates::clear);
         let start = (self.round - 1) as usize % self.context.starts().max(1);
-        let root = self.context.add_root(start, true);
+        let root = self.add_root(start);
         self.context.notes.statistics.trees += 1;
-        self.context.point(root, &mut self.point);
         self.strategy.learn(&mut self.context, None, Growth::Rooted(root, &self.point));
         // Every other tree finds ways of its own: those of one way may all come too early.
         if self.round.is_multiple_of(2) {
@@ -225,8 +246,15 @@ impl<'a> Sampler<'a> {
             {
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Late);
             }
+            Extension::Open if self.is_known(choice) => {
+                self.context.reached_point(&mut self.point);
+                self.strategy.learn(&mut self.context, Some(choice), Growth::Known(&self.point));
+            }
             Extension::Open => {
                 let node = self.context.add(choice, true);
+                if let Some(known) = &mut self.known {
+                    known.add(node, self.context.reached());
+                }
                 self.context.point(node, &mut self.point);
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Added(node, &self.point));
                 self.note_nearest(node);
@@ -340,7 +368,7 @@ impl Searcher for Sampler<'_> {
     }
 
     fn bytes(&self) -> usize {
-        self.context.bytes() + self.strategy.bytes()
+        self.context.bytes() + self.strategy.bytes() + self.known.as_ref().map_or(0, KnownStates::bytes)
     }
 }
 

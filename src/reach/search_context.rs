@@ -273,7 +273,7 @@ impl<'a> SearchContext<'a> {
     /// Simulates a choice without adding to the tree; `point` is the resulting state.
     pub fn preview(&mut self, choice: Choice, point: &mut Point) -> Extension {
         let extension = self.simulate(choice);
-        self.metric.point(self.problem.sim.world(), &self.work, point);
+        self.reached_point(point);
         extension
     }
 
@@ -397,6 +397,11 @@ impl<'a> SearchContext<'a> {
     /// The state after the last simulation, or of the root that was added after it.
     pub(super) fn reached(&self) -> &[u8] {
         &self.work
+    }
+
+    /// The same as a point of the sampled space.
+    pub(super) fn reached_point(&self, out: &mut Point) {
+        self.metric.point(self.problem.sim.world(), &self.work, out);
     }
 
     /// A node as a point of the sampled space.

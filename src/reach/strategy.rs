@@ -28,6 +28,8 @@ pub enum Growth<'p> {
     Failed,
     /// From where it ended, the goal is too far away for the time that is left.
     Late,
+    /// It ended in a state, at this point, that the tree had reached as soon before; only of planners without samples.
+    Known(&'p Point),
 }
 
 /// Everything in which planners differ; the loop does the rest.

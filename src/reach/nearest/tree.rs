@@ -271,10 +271,11 @@ fn build(points: &Linear, axes: &[usize], places: &[u32]) -> Option<Arc<dyn Stat
         0..=2 => of::<2>,
         #[cfg(not(target_family = "wasm"))]
         3 => of::<3>,
-        0..=4 => of::<4>,
+        #[cfg(not(target_family = "wasm"))]
+        4 => of::<4>,
         #[cfg(not(target_family = "wasm"))]
         5 | 6 => of::<6>,
-        5..=8 => of::<8>,
+        0..=8 => of::<8>,
         9..=12 => of::<12>,
         _ => return None,
     };

@@ -166,8 +166,7 @@ impl<'m> DistanceGuided<'m> {
 
     fn add(&mut self, context: &mut SearchContext<'_>, node: NodeId, point: &Point, choice: Option<Choice>) {
         let from = choice.map(|choice| choice.node);
-        // All are one to who does not tell rests.
-        let modes = if self.manner.further > 0 { self.players.modes(point) } else { 0 };
+        let modes = self.modes(point);
         let [place, cell] = self.players.keys(context, point, PLACE);
         let keys = [mix(place, modes), cell];
         let (depth, is_timed) = (context.tree.depth(node), context.problem.time().is_some());
@@ -201,6 +200,11 @@ impl<'m> DistanceGuided<'m> {
             left: flight.left - 1,
             ..flight
         });
+    }
+
+    /// A key of the players' modes: all are one to who does not tell rests.
+    fn modes(&self, point: &Point) -> u64 {
+        if self.manner.further > 0 { self.players.modes(point) } else { 0 }
     }
 
     /// Whether players can rest in the modes of the node that was added last: they were seen to, or have just done so.
@@ -328,7 +332,13 @@ impl Strategy for DistanceGuided<'_> {
                 self.add(context, root, point, None);
             }
             Growth::Added(node, point) => self.add(context, node, point, choice),
-            Growth::Failed | Growth::Late => self.flight = self.flight.filter(|flight| Some(flight.node) != from),
+            Growth::Failed | Growth::Late | Growth::Known(_) => {
+                if let Growth::Known(point) = growth {
+                    // Who waits comes to the same state.
+                    self.is_rest(context, (point, self.modes(point)), choice);
+                }
+                self.flight = self.flight.filter(|flight| Some(flight.node) != from);
+            }
         }
     }
 

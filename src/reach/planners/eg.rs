@@ -38,8 +38,10 @@ impl Strategy for Eg {
                 root
             }
             (Growth::Added(node, _), _) => node,
-            (Growth::Failed | Growth::Late, Some(choice)) => return self.violations.fail(context, choice.node),
-            (Growth::Failed | Growth::Late, None) => return,
+            (Growth::Failed | Growth::Late | Growth::Known(_), Some(choice)) => {
+                return self.violations.fail(context, choice.node);
+            }
+            (Growth::Failed | Growth::Late | Growth::Known(_), None) => return,
         };
         self.violations.add();
         for failed in self.reachable.add(context, node) {

@@ -36,8 +36,10 @@ impl Strategy for Rc {
                 self.violations.add();
             }
             (Growth::Added(..), _) => self.violations.add(),
-            (Growth::Failed | Growth::Late, Some(choice)) => self.violations.fail(context, choice.node),
-            (Growth::Failed | Growth::Late, None) => {}
+            (Growth::Failed | Growth::Late | Growth::Known(_), Some(choice)) => {
+                self.violations.fail(context, choice.node)
+            }
+            (Growth::Failed | Growth::Late | Growth::Known(_), None) => {}
         }
         self.rrt.learn(context, choice, growth);
     }

@@ -1,4 +1,4 @@
-//! The states of a tree by their hashes: tells a state that was reached as soon before, from which nothing new follows.
+//! The states of a tree by their hashes: tells a state that was reached before, from which nothing new follows.
 //! Among still things, many extensions end in such states: who waits stays where he is, and falls end on the same ground.
 
 use std::hash::BuildHasher;

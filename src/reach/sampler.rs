@@ -133,10 +133,12 @@ impl<'a> Sampler<'a> {
         root
     }
 
-    /// Whether a choice has led to a state that the tree had reached as soon before.
+    /// Whether a choice has led to a state that the tree had reached before, as soon as that where it matters.
     fn is_known(&self, choice: Choice) -> bool {
-        let (context, depth) = (&self.context, self.context.tree.depth(choice.node) + u32::from(choice.hold));
-        self.known.as_ref().is_some_and(|known| known.has(&context.tree, context.reached(), depth))
+        let counts_steps = self.strategy.counts_steps() || self.time().is_some();
+        let (tree, state) = (&self.context.tree, self.context.reached());
+        let depth = if counts_steps { tree.depth(choice.node) + u32::from(choice.hold) } else { u32::MAX };
+        self.known.as_ref().is_some_and(|known| known.has(tree, state, depth))
     }
 
     /// Keeps the way to the nearest node of the tree, which is removed next.

@@ -28,7 +28,7 @@ pub enum Growth<'p> {
     Failed,
     /// From where it ended, the goal is too far away for the time that is left.
     Late,
-    /// It ended in a state, at this point, that the tree had reached as soon before; only of planners without samples.
+    /// It ended in a state, at this point, that the tree had reached before; only of planners without samples.
     Known(&'p Point),
 }
 
@@ -53,6 +53,11 @@ pub trait Strategy {
 
     /// Whether further trees would be like those before.
     fn is_spent(&self) -> bool {
+        false
+    }
+
+    /// Whether it matters how soon a state is reached, and not only that it is.
+    fn counts_steps(&self) -> bool {
         false
     }
 

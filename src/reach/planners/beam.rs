@@ -260,6 +260,10 @@ impl Strategy for Beam<'_> {
         }
     }
 
+    fn counts_steps(&self) -> bool {
+        true
+    }
+
     fn follows(&self) -> bool {
         false
     }

@@ -191,6 +191,10 @@ impl Strategy for TimeGuided<'_> {
         }
     }
 
+    fn counts_steps(&self) -> bool {
+        true
+    }
+
     fn follows(&self) -> bool {
         self.manner.weight > FAST.weight
     }

@@ -413,7 +413,8 @@ struct Shares {
     /// first, when the search takes long, and for a faster path.
     by_time: &'static [[u64; 3]],
     beam: [u64; 3],
-    /// Of a tree by whole jumps, if the goal has a position, or players go to an edge: most of the work once the others have found nothing.
+    /// Of a tree by whole jumps, if the goal has a position or a player has to go to an edge: most of the work once the
+    /// others have found nothing.
     by_jumps: &'static [[u64; 3]],
     /// Of a tree by coverage alone, where distances lead astray: at first, and when the search takes long and nothing else
     /// does without distances.

@@ -23,10 +23,11 @@ const LATE: u64 = 32_000;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
 const NODE: u64 = 2_048;
 
-/// For a faster path, the search goes on until its work is so many times that of the first one, and for some nodes at
-/// least: for so many times those of the first one, and as many more, but not for more than a number of nodes.
-const FASTER: u64 = 2;
+/// For a faster path, the search goes on for as much work as the first one took, and for some nodes at least: for so many
+/// times those of the first one, and as many more, but not for more than a number of nodes. While the fastest one takes more
+/// than so many times the lower bound of its time, the search goes on for as long again.
 const FEWEST: [u64; 3] = [16, 1_000, 16_000];
+const SLOW: u64 = 2;
 
 /// A planner with its shares of the work: until a path is found, at first and when that takes long, and for a faster one.
 pub(super) struct Arm<'a> {
@@ -83,8 +84,9 @@ fn is_ahead(nearest: u32, other: u32) -> bool {
 struct Fastest {
     plan: Plan,
     planner: &'static str,
-    /// At this number of nodes and work the search ends.
-    until: (u64, u64),
+    /// The nodes and the work until the first one, and how many more of both follow at least.
+    first: [u64; 2],
+    more: [u64; 2],
 }
 
 /// Alternates planners.
@@ -99,13 +101,16 @@ pub(super) struct Portfolio<'a> {
     memory: u64,
     planner: &'static str,
     fastest: Option<Fastest>,
+    /// A lower bound of the steps of a path, 0 if none is known.
+    least: u64,
 }
 
 impl<'a> Portfolio<'a> {
-    /// Alternates planners; the first has the first turn.
-    pub fn new(arms: Vec<Arm<'a>>, memory: u64) -> Self {
+    /// Alternates planners; the first has the first turn. No path takes fewer than `least` steps, as far as is known.
+    pub fn new(arms: Vec<Arm<'a>>, memory: u64, least: u64) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        Portfolio { arms, spent: Notes::default(), spent_work: 0, turn: None, memory, planner: "auto", fastest: None }
+        let (spent, planner) = (Notes::default(), "auto");
+        Portfolio { arms, spent, spent_work: 0, turn: None, memory, planner, fastest: None, least }
     }
 
     fn retire(&mut self, at: usize) {
@@ -122,19 +127,19 @@ impl<'a> Portfolio<'a> {
             self.fastest = None;
             return Some(plan);
         }
-        let until = match &self.fastest {
-            Some(fastest) => fastest.until,
+        let (first, more) = match &self.fastest {
+            Some(fastest) => (fastest.first, fastest.more),
             None => {
-                let nodes = self.nodes();
+                let first = [self.nodes(), self.work()];
                 while let Some(at) = self.arms.iter().position(|arm| arm.share_for_faster == 0) {
                     self.retire(at);
                 }
                 let [times, more, most] = FEWEST;
-                (nodes + (times * nodes + more).min(most), FASTER * self.work())
+                (first, [(times * first[0] + more).min(most), first[1]])
             }
         };
         self.turn = None;
-        self.fastest = Some(Fastest { plan, planner: self.planner, until });
+        self.fastest = Some(Fastest { plan, planner: self.planner, first, more });
         self.arms.iter_mut().for_each(|arm| arm.searcher.look_for_faster(steps));
         None
     }
@@ -142,8 +147,10 @@ impl<'a> Portfolio<'a> {
     /// Whether there is a path, and enough was done for a faster one.
     fn is_fast_enough(&self) -> bool {
         self.fastest.as_ref().is_some_and(|fastest| {
-            let (nodes, work) = fastest.until;
-            nodes <= self.nodes() && work <= self.work() || self.arms.is_empty()
+            let is_slow = self.least > 0 && fastest.plan.steps - fastest.plan.after > SLOW * self.least;
+            let times = if is_slow { 2 } else { 1 };
+            let until = [0, 1].map(|of| fastest.first[of] + times * fastest.more[of]);
+            until[0] <= self.nodes() && until[1] <= self.work() || self.arms.is_empty()
         })
     }
 

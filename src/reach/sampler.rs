@@ -66,6 +66,8 @@ pub(super) struct Sampler<'a> {
     /// The way to the nearest node of earlier trees.
     way: Vec<Start>,
     round: u64,
+    /// Whether this tree is given up for one that looks for a faster path.
+    is_given_up: bool,
     /// Number of coordinates of a point.
     coordinates: u64,
     discarded: u64,
@@ -107,6 +109,7 @@ impl<'a> Sampler<'a> {
             way: Vec::new(),
             context,
             round: 0,
+            is_given_up: false,
             coordinates,
             discarded: 0,
             empty_trees: 0,
@@ -160,6 +163,9 @@ impl<'a> Sampler<'a> {
     /// Starts the next tree at the next start.
     fn start_tree(&mut self) {
         self.keep_way();
+        if std::mem::take(&mut self.is_given_up) {
+            self.context.adopt(&[]);
+        }
         self.round += 1;
         self.discarded = 0;
         self.empty_trees = if self.context.tree.len() == 1 { self.empty_trees + 1 } else { 0 };
@@ -179,7 +185,8 @@ impl<'a> Sampler<'a> {
 
     fn is_over(&self) -> bool {
         let tree = &self.context.tree;
-        tree.len() as u64 >= self.max_tree_nodes
+        self.is_given_up
+            || tree.len() as u64 >= self.max_tree_nodes
             || tree.open_nodes() == 0
             || self.discarded >= MAX_DISCARDED
             || self.strategy.is_over()
@@ -278,9 +285,16 @@ impl<'a> Sampler<'a> {
         if self.patience == 0 {
             return Some(plan);
         }
-        self.look_for_faster(plan.steps - plan.after);
+        self.limit(plan.steps - plan.after);
         self.fastest = Some((plan, self.nodes()));
         None
+    }
+
+    /// From now on, paths have fewer steps than a number.
+    fn limit(&mut self, steps: u64) {
+        self.most = u32::try_from(steps.saturating_sub(1)).ok();
+        // There is no missing answer to explain any more.
+        self.context.stop_tracking();
     }
 
     /// Whether it has been long since the fastest path was found.
@@ -344,9 +358,9 @@ impl Searcher for Sampler<'_> {
     }
 
     fn look_for_faster(&mut self, steps: u64) {
-        self.most = u32::try_from(steps.saturating_sub(1)).ok();
-        // There is no missing answer to explain any more.
-        self.context.stop_tracking();
+        // What was adopted is on a way that is no longer in time, or hardly.
+        self.is_given_up |= self.most.is_none() && (self.strategy.starts_over() || !self.context.adopted().is_empty());
+        self.limit(steps);
     }
 
     fn nodes(&self) -> u64 {

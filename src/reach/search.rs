@@ -269,7 +269,10 @@ impl<'a> Builder<'_, 'a> {
     }
 
     fn portfolio(&self, arms: Vec<Arm<'a>>) -> Box<dyn Searcher + 'a> {
-        Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64))
+        let from =
+            |start: &Start| self.guidance.distances.map_or(0, |of| of.least_steps(self.problem.sim, &start.state));
+        let least = self.starts.iter().map(from).min().unwrap_or(0);
+        Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64, least.into()))
     }
 
     /// Number of nodes of the shortest tree of `auto` that is led by distances and by coverage.
@@ -425,8 +428,8 @@ struct Shares {
 /// The shares as a rule, and with a time limit.
 const AUTO: Shares = Shares {
     blended: 8,
-    by_time: &[[5, 5, 3], [3, 3, 2], [2, 2, 0]],
-    beam: [6, 12, 4],
+    by_time: &[[5, 5, 3], [3, 3, 1], [2, 2, 0]],
+    beam: [6, 12, 5],
     by_jumps: &[[2, 72, 0]],
     coverage: 4,
     coverage_when_late: 12,

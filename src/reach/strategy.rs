@@ -67,6 +67,12 @@ pub trait Strategy {
         true
     }
 
+    /// Whether it begins a tree anew once others have found a path: among the states that can still be in time it finds
+    /// others.
+    fn starts_over(&self) -> bool {
+        false
+    }
+
     /// The name of the planner that made the last choice, if there are several.
     fn planner(&self) -> Option<&'static str> {
         None

@@ -268,6 +268,10 @@ impl Strategy for Beam<'_> {
         false
     }
 
+    fn starts_over(&self) -> bool {
+        true
+    }
+
     fn is_over(&self) -> bool {
         self.done == self.layer.len() && (self.next.is_empty() && !self.can_return() || self.is_stuck())
     }

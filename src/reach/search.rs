@@ -238,6 +238,7 @@ impl<'a> Builder<'_, 'a> {
                 let mut add = |planner: Planner, shares: &[[u64; 3]]| {
                     let searchers = self.searchers(planner, tree);
                     arms.extend(searchers.into_iter().zip(shares).map(|(searcher, &[share, late, for_faster])| {
+                        let late = if is_certain { late } else { share };
                         let for_faster = if self.settings.hastens { for_faster } else { 0 };
                         Arm::new(share, searcher).late(late).for_faster(for_faster)
                     }));
@@ -249,12 +250,11 @@ impl<'a> Builder<'_, 'a> {
                     add(Planner::TimeGuided, shares.by_time);
                     add(Planner::Beam, &[shares.beam]);
                 }
-                let late = if is_certain { shares.coverage_when_late } else { shares.coverage };
-                add(Planner::Coverage, &[[shares.coverage, late, 0]]);
+                add(Planner::Coverage, &[shares.coverage]);
                 add(Planner::Rrt, &[[1, 1, 0]]);
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
-                    arms.push(Arm::new(1, Box::new(self.refinement(tree))).late(2));
+                    arms.push(Arm::new(1, Box::new(self.refinement(tree))));
                 }
                 self.portfolio(arms)
             }
@@ -413,34 +413,29 @@ struct Shares {
     /// Of the tree that is led by distances and by coverage.
     blended: u64,
     /// Of the trees that are led by time, in the order of their manners, and of a beam, where there are distances: at
-    /// first, when the search takes long, and for a faster path.
+    /// first, when the search takes long and the goal has a position, and for a faster path.
     by_time: &'static [[u64; 3]],
     beam: [u64; 3],
-    /// Of a tree by whole jumps, if the goal has a position or a player has to go to an edge: most of the work once the
-    /// others have found nothing.
+    /// Of a tree by whole jumps, if the goal has a position or a player has to go to an edge.
     by_jumps: &'static [[u64; 3]],
-    /// Of a tree by coverage alone, where distances lead astray: at first, and when the search takes long and nothing else
-    /// does without distances.
-    coverage: u64,
-    coverage_when_late: u64,
+    /// Of a tree by coverage alone, where distances lead astray.
+    coverage: [u64; 3],
 }
 
-/// The shares as a rule, and with a time limit.
+/// The shares as a rule: whole jumps find most. And with a time limit, where none are tried.
 const AUTO: Shares = Shares {
-    blended: 8,
-    by_time: &[[5, 5, 3], [3, 3, 1], [2, 2, 0]],
-    beam: [6, 12, 5],
-    by_jumps: &[[2, 72, 0]],
-    coverage: 4,
-    coverage_when_late: 12,
+    blended: 2,
+    by_time: &[[3, 3, 3], [2, 2, 1], [1, 1, 0]],
+    beam: [4, 8, 5],
+    by_jumps: &[[14, 56, 0]],
+    coverage: [2, 8, 0],
 };
 const IN_TIME: Shares = Shares {
     blended: 8,
     by_time: &[[4, 4, 2], [3, 3, 1], [3, 3, 2], [2, 2, 0]],
     beam: [6, 6, 4],
     by_jumps: &[],
-    coverage: 1,
-    coverage_when_late: 1,
+    coverage: [1, 1, 0],
 };
 
 #[cfg(test)]

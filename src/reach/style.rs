@@ -104,7 +104,14 @@ pub fn improve_style(
     let step = problem.sim.world().step.seconds();
     let cost = |plan: &Plan| style.cost(&split(&plan.script, plan.after).1, step);
     let distances = DistanceField::new(&limited, space, &Meter::new(watch));
-    let simple = |plan: &Plan, most| shorten_within(&limited, distances.as_ref(), plan, style, most, watch);
+    let shorter = |plan: &Plan, by, most| shorten_within(&limited, distances.as_ref(), plan, by, most, watch);
+    // What one style makes simple, the other may make simpler than from where it was.
+    let other = if style == Style::Calm { Style::FewInputs } else { Style::Calm };
+    let simple = |plan: &Plan, most| {
+        let own = shorter(plan, style, most);
+        let both = shorter(&shorter(plan, other, most), style, most);
+        if cost(&both) < cost(&own) { both } else { own }
+    };
     let mut best = simple(&fast, SHORTENED);
     for (round, (planner, hold)) in (1..).zip(SEARCHES) {
         if watch.stop() {

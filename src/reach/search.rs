@@ -228,17 +228,20 @@ impl<'a> Builder<'_, 'a> {
                     let strategy = blended(self.problem, self.measures.0, Guidance { distances, ..self.guidance });
                     self.sampler(planner, strategy, (tree, hold), (self.restart(distances), false))
                 };
-                let shares = if self.problem.time().is_some() { IN_TIME } else { AUTO };
-                let mut arms = vec![Arm::new(shares.blended, led(self.guidance.distances))];
                 // Before the edge that leads on, something else may have to be done elsewhere.
                 let is_certain = self.guidance.distances.is_none_or(DistanceField::is_goal);
+                let shares = match self.problem.time() {
+                    Some(_) => IN_TIME,
+                    None if is_certain => AUTO,
+                    None => TO_AN_EDGE,
+                };
+                let mut arms = vec![Arm::new(shares.blended, led(self.guidance.distances))];
                 if !is_certain {
                     arms.push(Arm::new(shares.blended, led(None)));
                 }
                 let mut add = |planner: Planner, shares: &[[u64; 3]]| {
                     let searchers = self.searchers(planner, tree);
                     arms.extend(searchers.into_iter().zip(shares).map(|(searcher, &[share, late, for_faster])| {
-                        let late = if is_certain { late } else { share };
                         let for_faster = if self.settings.hastens { for_faster } else { 0 };
                         Arm::new(share, searcher).late(late).for_faster(for_faster)
                     }));
@@ -413,7 +416,7 @@ struct Shares {
     /// Of the tree that is led by distances and by coverage.
     blended: u64,
     /// Of the trees that are led by time, in the order of their manners, and of a beam, where there are distances: at
-    /// first, when the search takes long and the goal has a position, and for a faster path.
+    /// first, when the search takes long, and for a faster path.
     by_time: &'static [[u64; 3]],
     beam: [u64; 3],
     /// Of a tree by whole jumps, if the goal has a position or a player has to go to an edge.
@@ -422,13 +425,21 @@ struct Shares {
     coverage: [u64; 3],
 }
 
-/// The shares as a rule: whole jumps find most. And with a time limit, where none are tried.
+/// The shares as a rule: whole jumps find most. Where distances only lead to an edge, more is left to the others. With a
+/// time limit no whole jumps are tried.
 const AUTO: Shares = Shares {
     blended: 2,
     by_time: &[[3, 3, 3], [2, 2, 1], [1, 1, 0]],
     beam: [4, 8, 5],
     by_jumps: &[[14, 56, 0]],
     coverage: [2, 8, 0],
+};
+const TO_AN_EDGE: Shares = Shares {
+    blended: 8,
+    by_time: &[[5, 5, 3], [3, 3, 1], [2, 2, 0]],
+    beam: [6, 12, 5],
+    by_jumps: &[[2, 72, 0]],
+    coverage: [4, 4, 0],
 };
 const IN_TIME: Shares = Shares {
     blended: 8,

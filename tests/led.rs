@@ -1,5 +1,6 @@
 //! Goals to which no position of a player leads by itself: a mode that an edge with speeds in its guard enters, something
-//! that has to be pushed, a supply of which some has to be left. Each is found for several seeds, and its way replays.
+//! that has to be pushed, a supply of which some has to be left, keys and gates. Each is found for several seeds, and its
+//! way replays.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -49,7 +50,7 @@ fn what_has_to_be_slow_or_pushed_is_found() {
 }
 
 #[test]
-fn what_lies_behind_locked_doors_is_found_though_distances_lead_to_the_doors() {
+fn what_lies_behind_locked_doors_is_found() {
     let (guided, auto) = (Planner::DistanceGuided, Planner::Auto);
     for (name, goal, planner) in [
         ("maze", "chalice", guided),
@@ -61,6 +62,82 @@ fn what_lies_behind_locked_doors_is_found_though_distances_lead_to_the_doors() {
         let program = program(compile(Path::new(&format!("benches/worlds/{name}.hyped")), &Disk));
         let found = (1..=3).filter(|&seed| find(&program, goal, (seed, 200_000), planner).is_some());
         assert_eq!(found.count(), 3, "{name}, {goal}, {planner:?}");
+    }
+}
+
+#[test]
+fn keys_and_what_opens_gates_lead_the_way() {
+    for (name, goal, nodes) in [
+        ("maze", "red_door", 5_000),
+        ("maze", "chalice", 8_000),
+        ("stealth", "away", 30_000),
+        ("gallery", "out", 60_000),
+    ] {
+        let program = program(compile(Path::new(&format!("benches/worlds/{name}.hyped")), &Disk));
+        let found = (1..=4).filter(|&seed| find(&program, goal, (seed, nodes), Planner::DistanceGuided).is_some());
+        assert_eq!(found.count(), 4, "{name}, {goal}");
+    }
+}
+
+/// A hall with a locked door on the straight way to the exit, and the key in the far corner: `SIDE` is a way around the
+/// door, or a wall.
+const HALL: &str = "
+    entity Thief {
+        param speed: px/s = 90
+        axis across, along
+        discrete has_key: bool = false
+        collider body, thief: rect(0, 0, 12, 12)
+        mode walking {
+            x' = speed * across
+            y' = speed * along
+            when touching(body, key) { has_key := true }
+        }
+    }
+    entity Key { collider key: rect(4, 4, 8, 8)
+        mode lying { when touching(key, thief) { destroy self } }
+    }
+    entity Door { kinematic collider door: rect(0, 0, 16, 16) when in locked
+        mode locked { when touching(door, thief) as who and who is Thief and who.has_key -> open }
+        mode open { }
+    }
+    world Hall {
+        step 1/60
+        collide body with wall, door: block
+        collide thief with key, exit: sense
+        tiles hall 16 x 16 {
+            '.': empty
+            '#': wall
+            'K': spawn Key
+            'E': exit
+        }
+        space main {
+            map hall \"
+                ################################
+                #K.............................#
+                ##############################.#
+                #..............................#
+                #.##############################
+                #..............................#
+                #.###################SIDE#######
+                #.....................#.......E#
+                #.............................E#
+                ################################
+            \"
+            place hero: Thief at (200, 18)
+            place door: Door at (352, 16)
+        }
+        player 1: hero
+        goal out: hero touching exit
+    }
+";
+
+#[test]
+fn a_gate_counts_only_if_no_way_leads_around_it() {
+    // With the way around the door closed, the key comes first, else nobody looks for it.
+    for (side, nodes) in [("####", 2_000), ("....", 500)] {
+        let program = program(compile_text(&HALL.replace("SIDE", side)));
+        let found = (1..=4).filter(|&seed| find(&program, "out", (seed, nodes), Planner::DistanceGuided).is_some());
+        assert_eq!(found.count(), 4, "{side}");
     }
 }
 

@@ -6,14 +6,16 @@
 use std::collections::VecDeque;
 
 use crate::analysis::ConfigurationSpace;
-use crate::ir::{Bounds, Extremes, Id, Push, SlotId, SpaceId, TagId, TagSet, TileKind, VarId};
+use crate::ir::{Bounds, Extremes, Id, Push, SlotId, Space, SpaceId, TagId, TagSet, TileKind, VarId, World};
 use crate::sim::Simulator;
 use crate::watch::Meter;
 
 use super::around::images;
 use super::coverage::PLACE;
-use super::goal_positions::{Lead, PositionBox, extent, lead};
+use super::gates::gates;
+use super::goal_positions::{Lead, PositionBox, extent, lead, subgoals_of};
 use super::problem::Problem;
+use super::stages::{Stage, Ways, stages};
 
 /// Maximum number of places; above it, there is no field.
 const MAX_PLACES: usize = 1 << 21;
@@ -22,7 +24,7 @@ const MARGIN: f64 = 8.0 * PLACE;
 /// Number of positions per side of a place at which the player's body is tested.
 const SAMPLES: usize = 4;
 /// No path is known.
-const UNREACHABLE: u32 = u32::MAX;
+pub(super) const UNREACHABLE: u32 = u32::MAX;
 
 /// Distances from places to the goal, for one player, or for another instance on whose position the goal depends.
 #[derive(Debug)]
@@ -32,15 +34,13 @@ pub(super) struct DistanceField {
     /// Whether the goal is there, and not only an edge that leads on.
     is_goal: bool,
     grids: Vec<Grid>,
-    /// The distance of each place, in places.
-    places: CostField,
-    /// The distance of places without a known path: larger than all others.
-    far: u32,
+    /// What leads to each subgoal, in the order in which they are to come about, and to the goal.
+    stages: Vec<Stage>,
     min_time: MinTime,
 }
 
 /// A number for each place of each space.
-type CostField = Vec<Vec<u32>>;
+pub(super) type CostField = Vec<Vec<u32>>;
 
 /// Lower bounds of the time to the goal.
 #[derive(Debug)]
@@ -55,12 +55,14 @@ struct MinTime {
 type Costs = [u32; 3];
 
 /// The places of a space.
-#[derive(Debug)]
-struct Grid {
+#[derive(Debug, Clone)]
+pub(super) struct Grid {
     left: f64,
     bottom: f64,
     columns: usize,
     rows: usize,
+    /// The core of the player's body with its tags, if obstacles block it.
+    core: Option<(TagSet, Bounds)>,
     /// Row by row from the lowest: one bit for each blocked position.
     blocked: Vec<u16>,
 }
@@ -69,19 +71,21 @@ impl DistanceField {
     /// For the first player, or else the first instance, whose position the goal restricts. `None` if there is none, if
     /// there are too many places, or if the meter runs out.
     pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace, meter: &Meter<'_>) -> Option<Self> {
-        let Lead { slot, boxes: goal, is_goal } = lead(problem, space)?;
+        let Lead { slot, boxes: goal, is_goal, before } = lead(problem, space)?;
         let mut grids = Vec::new();
         let mut count = 0;
+        let all: Vec<PositionBox> = before.iter().flat_map(|subgoal| &subgoal.boxes).chain(&goal).copied().collect();
         for id in problem.sim.world().spaces.ids() {
-            let grid = Grid::new(problem, slot, id, &goal, meter)?;
+            let grid = Grid::new(problem, slot, id, &all, meter)?;
             count += grid.columns * grid.rows;
             if count > MAX_PLACES {
                 return None;
             }
             grids.push(grid);
         }
-        let places = flood(&grids, problem, &goal, [1, 1, 1], meter);
-        let far = places.iter().flatten().filter(|d| **d != UNREACHABLE).max()? + 1;
+        let of_gates = |fact| subgoals_of(problem, space, slot, fact);
+        let ways = Ways::new(problem, slot, &grids, gates(problem, space, slot), meter);
+        let stages = stages(&ways, (before, &goal), &of_gates)?;
         let min_time = MinTime {
             places: [[1, 0, 0], [0, 1, 0]].map(|costs| flood(&grids, problem, &goal, costs, meter)),
             steps: VarId::XY.map(|var| {
@@ -93,7 +97,7 @@ impl DistanceField {
         if meter.is_stopped() {
             return None;
         }
-        Some(DistanceField { slot, is_goal, grids, places, far, min_time })
+        Some(DistanceField { slot, is_goal, grids, stages, min_time })
     }
 
     /// Whether the goal is where they lead; else an edge is only taken from there if its guard holds as well.
@@ -106,10 +110,40 @@ impl DistanceField {
         self.slot
     }
 
-    /// The distance in a state.
+    /// The distance in a state: over the subgoals that are still to come about.
     pub fn of(&self, sim: &Simulator, state: &[u8]) -> u32 {
         let (space, cell) = self.cell(sim, state);
-        self.places[space.index()][cell].min(self.far)
+        let (stage, rest) = self.stage(sim, state);
+        self.stages[stage].of(space, cell).saturating_add(rest)
+    }
+
+    /// The stage in a state, and the distance from where it comes about to the goal.
+    fn stage(&self, sim: &Simulator, state: &[u8]) -> (usize, u32) {
+        let last = self.stages.len() - 1;
+        let is_open = |stage: &usize| self.stages[*stage].is_open(sim, state);
+        let Some(first) = (0..last).find(is_open) else { return (last, 0) };
+        let (mut at, mut rest) = (first, 0u32);
+        for next in (first + 1..last).filter(is_open).chain([last]) {
+            rest = rest.saturating_add(self.stages[at].hops[next]);
+            at = next;
+        }
+        (first, rest)
+    }
+
+    /// A key of the subgoals that are still to come about in a state; 0 if there are none at all.
+    pub fn subgoals(&self, sim: &Simulator, state: &[u8]) -> u64 {
+        let last = self.stages.len() - 1;
+        (0..last).filter(|stage| self.stages[*stage].is_open(sim, state)).fold(0, |key, stage| key | 1 << stage)
+    }
+
+    /// Whether it is known where any of it comes about.
+    pub fn leads_to_places(&self) -> bool {
+        self.stages.iter().any(|stage| !stage.places.is_empty())
+    }
+
+    /// Whether there are subgoals.
+    pub fn has_subgoals(&self) -> bool {
+        self.stages.len() > 1
     }
 
     /// The distance in a state, in places, that changes with each px: within a place towards those that are nearer.
@@ -117,13 +151,16 @@ impl DistanceField {
         let ((x, y), space) = (sim.position(state, self.slot), sim.space(state, self.slot));
         let (grid, (_, cell)) = (&self.grids[space.index()], self.cell(sim, state));
         let (column, row) = (cell % grid.columns, cell / grid.columns);
-        let places = &self.places[space.index()];
-        let here = places[cell].min(self.far);
+        let (stage, rest) = self.stage(sim, state);
+        let stage = &self.stages[stage];
+        let here = f64::from(stage.of(space, cell)) + f64::from(rest);
+        let Some(places) = stage.places.get(space.index()) else { return here };
         // Which of the two places beside it is nearer, and how far it is into this one from the middle.
         let along = |at: f64, low: f64, index: usize, count: usize, apart: usize| {
             let into = ((at - low) / PLACE - index as f64).clamp(0.0, 1.0) - 0.5;
-            let before = index > 0 && places[cell - apart] < here;
-            let after = index + 1 < count && places[cell + apart] < here;
+            let own = places[cell].min(stage.far);
+            let before = index > 0 && places[cell - apart] < own;
+            let after = index + 1 < count && places[cell + apart] < own;
             match (before, after) {
                 (true, false) => into,
                 (false, true) => -into,
@@ -132,7 +169,7 @@ impl DistanceField {
         };
         let across = along(x, grid.left, column, grid.columns, 1);
         let upwards = along(y, grid.bottom, row, grid.rows, grid.columns);
-        f64::from(here) + across + upwards
+        here + across + upwards
     }
 
     /// A lower bound of the number of steps to the goal from a state, if nothing carries the player; 0 if none is known.
@@ -148,10 +185,8 @@ impl DistanceField {
 
     /// The space and the place in a state.
     fn cell(&self, sim: &Simulator, state: &[u8]) -> (SpaceId, usize) {
-        let ((x, y), space) = (sim.position(state, self.slot), sim.space(state, self.slot));
-        let grid = &self.grids[space.index()];
-        let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).greatest(0.0) as usize).min(count - 1);
-        (space, at(y, grid.bottom, grid.rows) * grid.columns + at(x, grid.left, grid.columns))
+        let space = sim.space(state, self.slot);
+        (space, self.grids[space.index()].cell(sim.position(state, self.slot)))
     }
 }
 
@@ -167,7 +202,7 @@ fn fastest(space: &ConfigurationSpace, player: SlotId, var: VarId) -> f64 {
 
 /// The cost of the cheapest path to the goal from each place, by a 0-1 breadth-first search. Incomplete if the meter
 /// runs out.
-fn flood(
+pub(super) fn flood(
     grids: &[Grid],
     problem: &Problem<'_>,
     goal: &[PositionBox],
@@ -235,6 +270,16 @@ fn flood(
     field
 }
 
+/// Whether something with some tags blocks a body.
+fn blocks(world: &World, mine: TagSet, tags: TagSet) -> bool {
+    world.meeting(mine, tags).is_some_and(|meeting| meeting.response.push == Push::Block)
+}
+
+/// The tags of each kind of tiles.
+fn kinds(space: &Space) -> Vec<TagSet> {
+    space.map.iter().flat_map(|map| &map.kinds).map(|kind| kind.tags.iter().copied().collect()).collect()
+}
+
 impl Grid {
     fn new(
         problem: &Problem<'_>,
@@ -263,29 +308,25 @@ impl Grid {
         }
         let (columns, rows) = (columns as usize, rows as usize);
         let places = columns * rows;
-        let mut grid = Grid { left: area.left, bottom: area.bottom, columns, rows, blocked: vec![0; places] };
-        grid.block(problem, player, id, meter);
+        let core = Grid::core(problem, player, id);
+        let mut grid = Grid { left: area.left, bottom: area.bottom, columns, rows, core, blocked: vec![0; places] };
+        grid.block(problem, id, meter);
         Some(grid)
     }
 
-    /// Marks the positions at which the player overlaps static obstacles.
-    fn block(&mut self, problem: &Problem<'_>, player: SlotId, id: SpaceId, meter: &Meter<'_>) {
+    /// The core of the player's body, which static obstacles of a space block, with its tags: the intersection of all its
+    /// shapes, as a shape that is seldom active says little about where the player fits.
+    fn core(problem: &Problem<'_>, player: SlotId, id: SpaceId) -> Option<(TagSet, Bounds)> {
         let world = problem.sim.world();
         let entity = &problem.sim.program().entities[world.slots[player].entity];
-        let blocks = |mine: TagSet, tags: TagSet| {
-            world.meeting(mine, tags).is_some_and(|meeting| meeting.response.push == Push::Block)
-        };
-        let space = &world.spaces[id];
-        let kinds: Vec<TagSet> =
-            space.map.iter().flat_map(|m| &m.kinds).map(|k| k.tags.iter().copied().collect()).collect();
-        let solids = |mine: TagSet| space.solids.iter().filter(move |s| blocks(mine, s.tags));
-        // The intersection of all shapes: a shape that is seldom active says little about where the player fits.
+        let (space, kinds) = (&world.spaces[id], kinds(&world.spaces[id]));
         let bodies = entity.colliders.iter().filter(|c| {
-            !c.kinematic && (solids(c.tags).next().is_some() || kinds.iter().any(|tags| blocks(c.tags, *tags)))
+            let by_solid = space.solids.iter().any(|solid| blocks(world, c.tags, solid.tags));
+            !c.kinematic && (by_solid || kinds.iter().any(|tags| blocks(world, c.tags, *tags)))
         });
         let mut core: Option<(TagSet, Bounds)> = None;
         for collider in bodies {
-            let Some(extent) = extent(problem, player, collider) else { return };
+            let extent = extent(problem, player, collider)?;
             core = Some(match core {
                 None => (collider.tags, extent),
                 Some((tags, b)) => (
@@ -299,22 +340,36 @@ impl Grid {
                 ),
             });
         }
-        let Some((tags, core)) = core else { return };
-        let mut mark = |wall: Bounds| {
-            let all = PositionBox { space: Some(id), x: (wall.left, wall.right), y: (wall.bottom, wall.top) };
-            for PositionBox { x: (left, right), y: (bottom, top), .. } in images(world, all) {
-                self.mark(Bounds { left, right, bottom, top }, core, meter);
-            }
-        };
-        for solid in solids(tags) {
-            mark(solid.bounds);
+        core
+    }
+
+    /// Marks the positions at which the player overlaps static obstacles.
+    fn block(&mut self, problem: &Problem<'_>, id: SpaceId, meter: &Meter<'_>) {
+        let Some((tags, _)) = self.core else { return };
+        let (world, space) = (problem.sim.world(), &problem.sim.world().spaces[id]);
+        for solid in space.solids.iter().filter(|solid| blocks(world, tags, solid.tags)) {
+            self.close(problem, id, solid.bounds, meter);
         }
         let Some(map) = &space.map else { return };
         // A tile that can be broken is no wall, nor is a slope: the distance is too short rather than too long.
-        let is_wall = |(tags_of, kind): (&TagSet, &TileKind<TagId>)| kind.lasts() && blocks(tags, *tags_of);
-        let is_wall: Vec<bool> = kinds.iter().zip(&map.kinds).map(is_wall).collect();
+        let is_wall = |(tags_of, kind): (&TagSet, &TileKind<TagId>)| kind.lasts() && blocks(world, tags, *tags_of);
+        let is_wall: Vec<bool> = kinds(space).iter().zip(&map.kinds).map(is_wall).collect();
         for (cell, _) in map.cells.iter().enumerate().filter(|(_, kind)| is_wall[usize::from(**kind)]) {
-            mark(Bounds::new(map.rectangle(cell)));
+            self.close(problem, id, Bounds::new(map.rectangle(cell)), meter);
+        }
+    }
+
+    /// Whether something with some tags blocks the player.
+    pub fn is_blocked_by(&self, problem: &Problem<'_>, tags: TagSet) -> bool {
+        self.core.is_some_and(|(mine, _)| blocks(problem.sim.world(), mine, tags))
+    }
+
+    /// Marks the positions at which the player overlaps a box.
+    pub fn close(&mut self, problem: &Problem<'_>, id: SpaceId, wall: Bounds, meter: &Meter<'_>) {
+        let Some((_, core)) = self.core else { return };
+        let all = PositionBox { space: Some(id), x: (wall.left, wall.right), y: (wall.bottom, wall.top) };
+        for PositionBox { x: (left, right), y: (bottom, top), .. } in images(problem.sim.world(), all) {
+            self.mark(Bounds { left, right, bottom, top }, core, meter);
         }
     }
 
@@ -343,7 +398,7 @@ impl Grid {
     }
 
     /// The cells that a box overlaps.
-    fn cells(&self, x: (f64, f64), y: (f64, f64)) -> Vec<usize> {
+    pub fn cells(&self, x: (f64, f64), y: (f64, f64)) -> Vec<usize> {
         let range = |(low, high): (f64, f64), from: f64, count: usize| {
             let most = count as f64;
             let first = ((low - from) / PLACE).floor().clamp(0.0, most) as usize;
@@ -353,6 +408,12 @@ impl Grid {
         let across = range(x, self.left, self.columns);
         let rows = range(y, self.bottom, self.rows);
         rows.flat_map(|row| across.clone().map(move |column| row * self.columns + column)).collect()
+    }
+
+    /// The place of a position.
+    pub fn cell(&self, (x, y): (f64, f64)) -> usize {
+        let at = |value: f64, low: f64, count: usize| (((value - low) / PLACE).greatest(0.0) as usize).min(count - 1);
+        at(y, self.bottom, self.rows) * self.columns + at(x, self.left, self.columns)
     }
 
     /// Whether the player fits somewhere in a place.

@@ -13,6 +13,7 @@ use crate::ir::{
 use super::around::images;
 use super::outcome::Visited;
 use super::problem::Problem;
+use super::subgoals::{Fact, Subgoal};
 
 /// Maximum number of boxes per goal.
 const MAX_BOXES: usize = 4096;
@@ -64,31 +65,57 @@ pub(super) fn goal_positions(problem: &Problem<'_>) -> Option<(SlotId, Vec<Posit
 pub(super) struct Lead {
     /// Who: the first player of whom that is known, else the first other instance that moves.
     pub slot: SlotId,
-    /// The positions.
+    /// The positions; none if they are not known, but what has to come about before is.
     pub boxes: Vec<PositionBox>,
     /// Whether the goal holds only with the player there; else the positions are those from which an edge leads on.
     pub is_goal: bool,
+    /// What has to come about before, in this order.
+    pub before: Vec<Subgoal>,
 }
 
 /// What leads to the goal; `None` if that depends on nobody's position.
 pub(super) fn lead(problem: &Problem<'_>, space: &ConfigurationSpace) -> Option<Lead> {
+    let guards = Cell::new(MAX_GUARDS);
+    let finder = |player: SlotId| {
+        let back = Some(Back { space, edges: MAX_EDGES, guards: &guards });
+        Finder { problem, player, back, owner: None }
+    };
+    let goal = problem.predicate();
     if let Some((slot, boxes)) = goal_positions(problem) {
-        return Some(Lead { slot, boxes, is_goal: true });
+        return Some(Lead { slot, boxes, is_goal: true, before: finder(slot).subgoals(goal) });
     }
-    let players = problem.players().iter().copied();
+    let players = || problem.players().iter().copied();
     let is_other = |slot: &SlotId| !problem.players().contains(slot) && is_moving(problem, space, *slot);
     let others = problem.sim.world().slots.ids().filter(is_other);
-    let guards = Cell::new(MAX_GUARDS);
-    players.chain(others).find_map(|slot| {
-        let back = Some(Back { space, edges: MAX_EDGES, guards: &guards });
-        let finder = Finder { problem, player: slot, back, owner: None };
-        let boxes = finder.places(problem.predicate())?;
-        (!boxes.is_empty()).then_some(Lead { slot, boxes, is_goal: false })
+    let to_edges = players().chain(others).find_map(|slot| {
+        let boxes = finder(slot).places(goal).filter(|boxes| !boxes.is_empty())?;
+        let mut before = if problem.players().contains(&slot) { finder(slot).subgoals(goal) } else { Vec::new() };
+        before.retain(|subgoal| !subgoal.is_last_mode());
+        Some(Lead { slot, boxes, is_goal: false, before })
+    });
+    to_edges.or_else(|| {
+        players().find_map(|slot| {
+            let mut before = finder(slot).subgoals(goal);
+            let boxes = before.pop()?.boxes;
+            (!boxes.is_empty() || !before.is_empty()).then_some(Lead { slot, boxes, is_goal: false, before })
+        })
     })
 }
 
+/// What has to come about for a fact, itself the last, with where a player makes it so.
+pub(super) fn subgoals_of(
+    problem: &Problem<'_>,
+    space: &ConfigurationSpace,
+    player: SlotId,
+    fact: Fact,
+) -> Vec<Subgoal> {
+    let guards = Cell::new(MAX_GUARDS);
+    let back = Some(Back { space, edges: MAX_EDGES, guards: &guards });
+    Finder { problem, player, back, owner: None }.subgoals_of(fact)
+}
+
 /// Whether an instance that is there at first may be elsewhere later.
-fn is_moving(problem: &Problem<'_>, space: &ConfigurationSpace, slot: SlotId) -> bool {
+pub(super) fn is_moving(problem: &Problem<'_>, space: &ConfigurationSpace, slot: SlotId) -> bool {
     let (world, known) = (problem.sim.world(), &space.slots[slot]);
     let is_away = |var: VarId| {
         let at = world.slots[slot].vars[var][0];
@@ -135,26 +162,27 @@ pub(super) fn overlapping(mine: &Bounds, other: &Bounds) -> [(f64, f64); 2] {
 
 /// How far edges are followed back.
 #[derive(Clone, Copy)]
-struct Back<'a> {
+pub(super) struct Back<'a> {
     space: &'a ConfigurationSpace,
     /// How many edges, and how many guards may still be read.
     edges: u8,
-    guards: &'a Cell<u32>,
+    pub guards: &'a Cell<u32>,
 }
 
-struct Finder<'a> {
-    problem: &'a Problem<'a>,
+/// Finds positions, and what else has to come about (`subgoals.rs`).
+pub(super) struct Finder<'a> {
+    pub problem: &'a Problem<'a>,
     /// Whose positions are looked for.
-    player: SlotId,
+    pub player: SlotId,
     /// Whether what the guards of edges ask for counts, too.
-    back: Option<Back<'a>>,
+    pub back: Option<Back<'a>>,
     /// The instance of which the expression is part; none of a predicate of the world.
-    owner: Option<SlotId>,
+    pub owner: Option<SlotId>,
 }
 
 impl Finder<'_> {
     /// Boxes of which the player must be in one for an expression to hold; `None` if it is unrestricted.
-    fn places(&self, id: ExprId) -> Option<Vec<PositionBox>> {
+    pub fn places(&self, id: ExprId) -> Option<Vec<PositionBox>> {
         let is_mine = |of: Subject| self.slot(of) == Some(self.player);
         match self.problem.sim.program().exprs[id] {
             Expr::Bool(false) => Some(Vec::new()),
@@ -188,7 +216,7 @@ impl Finder<'_> {
     }
 
     /// Whose instance it is at first.
-    fn slot(&self, subject: Subject) -> Option<SlotId> {
+    pub fn slot(&self, subject: Subject) -> Option<SlotId> {
         match subject {
             Subject::Slot(slot) => Some(slot),
             Subject::Me => self.owner,
@@ -205,7 +233,7 @@ impl Finder<'_> {
     }
 
     /// The positions from which edges lead to some leaves; `None` if there is an edge of which that is not known.
-    fn leading_into(&self, slot: SlotId, wanted: &[LeafId]) -> Option<Vec<PositionBox>> {
+    pub fn leading_into(&self, slot: SlotId, wanted: &[LeafId]) -> Option<Vec<PositionBox>> {
         let back = self.back.filter(|back| back.edges > 0)?;
         let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
         let entity = &program.entities[world.slots[slot].entity];
@@ -245,7 +273,8 @@ impl Finder<'_> {
         let theirs = entity.colliders.iter().filter(|c| c.tags.meets(touch.mine));
         let theirs: Vec<Bounds> = theirs.map(|c| extent(self.problem, other, c)).collect::<Option<_>>()?;
         let wanted = TagSet::of(touch.other);
-        let mine = program.entities[world.slots[self.player].entity].colliders.iter().filter(|c| c.tags.meets(wanted));
+        let mine = program.entities[world.slots[self.player].entity].colliders.iter();
+        let mine = mine.filter(|c| c.tags.meets(wanted) && self.is_paired(c.tags, touch.mine));
         let mut places = Vec::new();
         for collider in mine {
             let mine = extent(self.problem, self.player, collider)?;
@@ -256,6 +285,19 @@ impl Finder<'_> {
             }));
         }
         (!places.is_empty()).then_some(places)
+    }
+
+    /// Whether a body is ever in contact with something that has one of some tags: the world pairs it with that, or with
+    /// what that is besides.
+    fn is_paired(&self, body: TagSet, wanted: TagSet) -> bool {
+        let (program, world) = (self.problem.sim.program(), self.problem.sim.world());
+        let kinds = world.spaces.iter().flat_map(|space| &space.map).flat_map(|map| &map.kinds);
+        let tiles = kinds.map(|kind| kind.tags.iter().copied().collect::<TagSet>());
+        let solids = world.spaces.iter().flat_map(|space| &space.solids).map(|solid| solid.tags);
+        let colliders =
+            program.entities.iter().flat_map(|entity| entity.colliders.iter()).map(|collider| collider.tags);
+        let mut all = tiles.chain(solids).chain(colliders).filter(|tags| tags.meets(wanted));
+        all.any(|tags| world.meeting(body, tags).is_some())
     }
 
     /// An expression as `a·x + b·y + c` of the player's position; other instances are at their initial positions.
@@ -334,7 +376,7 @@ impl Finder<'_> {
             }));
         }
         let mut places = Vec::new();
-        for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags)) {
+        for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags) && self.is_paired(c.tags, wanted)) {
             let mine = extent(self.problem, self.player, collider)?;
             places.extend(targets.iter().flat_map(|(space, target)| {
                 let [x, y] = overlapping(&mine, target);

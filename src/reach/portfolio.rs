@@ -12,12 +12,16 @@ const TURN: u64 = 64;
 const SHARE: u64 = 8;
 /// As many places must one be nearer to the goal for others to go on from its way.
 const AHEAD: u32 = 3;
-/// Who has done so many times the work that it took to come where it is, is not getting on if others are ahead; the
-/// divisor of its share then.
-const STALE: u64 = 2;
+/// Who has done more than so many times the work that it took to come where it is, is not getting on if others are ahead:
+/// its share is divided by [`LEFT`], once for each.
+const STALE: [u64; 3] = [2, 8, 32];
 const LEFT: u64 = 3;
 /// In a search that takes long, it is not getting on after so many times, whether others are ahead or not.
 const STALE_ALONE: u64 = 4;
+/// Who is nearest to the goal has so many times its share, until it has done so many times the work that it took to come
+/// there.
+const LEADING: u64 = 8;
+const FRESH: u64 = 2;
 /// After so many nodes, a search takes long.
 const LATE: u64 = 32_000;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
@@ -26,7 +30,7 @@ const NODE: u64 = 2_048;
 /// For a faster path, the search goes on for as much work as the first one took, and for some nodes at least: for so many
 /// times those of the first one, and as many more, but not for more than a number of nodes; for so many times as long while
 /// the fastest one takes more than so many times the lower bound of its time.
-const FEWEST: [u64; 3] = [16, 1_000, 20_000];
+const FEWEST: [u64; 3] = [16, 1_000, 22_000];
 const SLOW: [u64; 2] = [3, 2];
 
 /// A planner with its shares of the work: until a path is found, at first and when that takes long, and for a faster one.
@@ -64,14 +68,25 @@ impl<'a> Arm<'a> {
         ending
     }
 
-    /// Whether it has not come nearer for as long as it took to get where it is, and others, who came to a distance, are
-    /// ahead of it; or for longer than that, in a search that takes long. Who follows others is never left behind.
-    fn is_left_behind(&self, nearest: u32, is_late: bool) -> bool {
+    /// How many times its share is to be divided by [`LEFT`]: it has not come nearer for longer than it took to get where
+    /// it is, and others, who came to a distance, are ahead of it; or it has not for long, in a search that takes long. Who
+    /// follows others is never left behind.
+    fn behind(&self, nearest: u32, is_late: bool) -> u32 {
         let (mine, work) = self.nearest;
-        let searcher = &self.searcher;
-        let is_stale = |times: u64| searcher.work() > times * work;
-        let is_left = is_ahead(nearest, mine) && is_stale(STALE) || is_late && is_stale(STALE_ALONE);
-        searcher.nearest().is_some() && !searcher.follows() && is_left
+        if self.searcher.nearest().is_none() || self.searcher.follows() {
+            return 0;
+        }
+        let is_stale = |times: &u64| self.searcher.work() > times.saturating_mul(work);
+        if is_ahead(nearest, mine) {
+            STALE.iter().filter(|times| is_stale(times)).count() as u32
+        } else {
+            u32::from(is_late && is_stale(&STALE_ALONE))
+        }
+    }
+
+    /// Whether it has come nearer to the goal lately.
+    fn is_fresh(&self) -> bool {
+        self.searcher.nearest().is_some() && self.searcher.work() <= FRESH.saturating_mul(self.nearest.1)
     }
 }
 
@@ -177,7 +192,7 @@ impl<'a> Portfolio<'a> {
         self.nodes() >= LATE
     }
 
-    /// The share of a planner.
+    /// The share of a planner, before it is known who leads.
     fn share(&self, arm: &Arm<'_>) -> u64 {
         match self.fastest {
             Some(_) => arm.share_for_faster,
@@ -188,12 +203,18 @@ impl<'a> Portfolio<'a> {
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
-        let nearest = self.arms.iter().map(|arm| arm.nearest.0).min().unwrap_or(u32::MAX);
-        let is_late = self.is_late();
+        let (mut leader, mut nearest, is_late) = (None, u32::MAX, self.is_late());
+        if self.fastest.is_none() {
+            let with_distance = (0..self.arms.len()).filter(|at| self.arms[*at].searcher.nearest().is_some());
+            leader = with_distance.min_by_key(|at| self.arms[*at].nearest);
+            nearest = leader.map_or(u32::MAX, |at| self.arms[at].nearest.0);
+            leader = leader.filter(|at| self.arms[*at].is_fresh());
+        }
         (0..self.arms.len()).min_by_key(|at| {
             let arm = &self.arms[*at];
-            let is_left = self.fastest.is_none() && arm.is_left_behind(nearest, is_late);
-            let share = self.share(arm) / if is_left { LEFT } else { 1 };
+            let lead = if leader == Some(*at) { LEADING } else { 1 };
+            let behind = if self.fastest.is_none() { arm.behind(nearest, is_late) } else { 0 };
+            let share = self.share(arm) * LEFT.pow(STALE.len() as u32 - behind) * lead;
             arm.searcher.work().saturating_add(arm.searcher.nodes().saturating_mul(NODE)) / share.max(1)
         })
     }

@@ -228,12 +228,14 @@ impl<'a> Builder<'_, 'a> {
                     let strategy = blended(self.problem, self.measures.0, Guidance { distances, ..self.guidance });
                     self.sampler(planner, strategy, (tree, hold), (self.restart(distances), false))
                 };
+                let places = self.guidance.distances.filter(|of| of.leads_to_places());
                 // Before the edge that leads on, something else may have to be done elsewhere.
                 let is_certain = self.guidance.distances.is_none_or(DistanceField::is_goal);
-                let shares = match self.problem.time() {
-                    Some(_) => IN_TIME,
-                    None if is_certain => AUTO,
-                    None => TO_AN_EDGE,
+                let shares = match (self.problem.time(), places) {
+                    (Some(_), _) => IN_TIME,
+                    (None, None) => NOWHERE,
+                    (None, Some(_)) if is_certain => AUTO,
+                    (None, Some(_)) => TO_AN_EDGE,
                 };
                 let mut arms = vec![Arm::new(shares.blended, led(self.guidance.distances))];
                 if !is_certain {
@@ -246,10 +248,10 @@ impl<'a> Builder<'_, 'a> {
                         Arm::new(share, searcher).late(late).for_faster(for_faster)
                     }));
                 };
-                if let Some(distances) = self.guidance.distances {
-                    if is_certain || !self.is_pushed(distances) {
-                        add(Planner::DistanceGuided, shares.by_jumps);
-                    }
+                if self.guidance.distances.is_none_or(|of| is_certain || !self.is_pushed(of)) {
+                    add(Planner::DistanceGuided, shares.by_jumps);
+                }
+                if places.is_some() {
                     add(Planner::TimeGuided, shares.by_time);
                     add(Planner::Beam, &[shares.beam]);
                 }
@@ -419,28 +421,29 @@ struct Shares {
     /// first, when the search takes long, and for a faster path.
     by_time: &'static [[u64; 3]],
     beam: [u64; 3],
-    /// Of a tree by whole jumps, if the goal has a position or a player has to go to an edge.
+    /// Of a tree by whole jumps: not of what is pushed, nor with a time limit.
     by_jumps: &'static [[u64; 3]],
     /// Of a tree by coverage alone, where distances lead astray.
     coverage: [u64; 3],
 }
 
-/// The shares as a rule: whole jumps find most. Where distances only lead to an edge, more is left to the others. With a
-/// time limit no whole jumps are tried.
+/// The shares as a rule: whole jumps find most. Where distances only lead to an edge, or nowhere, more is left to the
+/// others.
 const AUTO: Shares = Shares {
-    blended: 2,
+    blended: 1,
     by_time: &[[3, 3, 3], [2, 2, 1], [1, 1, 0]],
-    beam: [4, 8, 5],
-    by_jumps: &[[14, 56, 0]],
-    coverage: [2, 8, 0],
+    beam: [2, 8, 5],
+    by_jumps: &[[28, 56, 0]],
+    coverage: [1, 8, 0],
 };
 const TO_AN_EDGE: Shares = Shares {
     blended: 8,
-    by_time: &[[5, 5, 3], [3, 3, 1], [2, 2, 0]],
-    beam: [6, 12, 5],
-    by_jumps: &[[2, 72, 0]],
+    by_time: &[[10, 10, 3], [6, 6, 1], [4, 4, 0]],
+    beam: [8, 12, 5],
+    by_jumps: &[[2, 24, 0]],
     coverage: [4, 4, 0],
 };
+const NOWHERE: Shares = Shares { blended: 8, by_time: &[], beam: [0; 3], by_jumps: &[[6, 4, 0]], coverage: [4, 4, 0] };
 const IN_TIME: Shares = Shares {
     blended: 8,
     by_time: &[[4, 4, 2], [3, 3, 1], [3, 3, 2], [2, 2, 0]],

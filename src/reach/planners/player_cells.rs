@@ -20,6 +20,8 @@ const LED: f64 = 4.0;
 pub(super) struct PlayerCells<'m> {
     /// Who else the distance to the goal is of, such as a crate: its place counts, too.
     led: Option<SlotId>,
+    /// What leads from one subgoal to the next.
+    stages: Option<&'m DistanceField>,
     velocities: Vec<Velocity>,
     /// The groups, as indices of modes.
     modes: Vec<usize>,
@@ -56,6 +58,7 @@ impl<'m> PlayerCells<'m> {
         let led = guidance.distances.map(DistanceField::slot).filter(|slot| !is_player(*slot));
         PlayerCells {
             led,
+            stages: guidance.distances.filter(|distances| distances.has_subgoals()),
             velocities: metric.coordinates().iter().enumerate().filter_map(velocity).collect(),
             modes: groups.collect(),
             margins: guidance.margins,
@@ -103,6 +106,9 @@ impl<'m> PlayerCells<'m> {
             for id in context.problem.sim.program().entities[world.slots[slot].entity].discretes.ids() {
                 place = mix(place, layout.discrete(state, id) as u64);
             }
+        }
+        if let Some(stages) = self.stages {
+            place = mix(place, stages.subgoals(context.problem.sim, state));
         }
         place = self.led.map_or(place, |slot| place_of(context, slot, PLACE, place));
         let mut cell = mix(place, 1);

@@ -12,12 +12,11 @@ const TURN: u64 = 64;
 const SHARE: u64 = 8;
 /// As many places must one be nearer to the goal for others to go on from its way.
 const AHEAD: u32 = 3;
-/// Who has done more than so many times the work that it took to come where it is, is not getting on if others are ahead:
-/// its share is divided by [`LEFT`], once for each.
+/// Who has done more than so many times the work that it took to come where it is, is not getting on: its share is divided
+/// by [`LEFT`], once for each. Where nobody is ahead, it is after [`ALONE`] times as much.
 const STALE: [u64; 3] = [2, 8, 32];
 const LEFT: u64 = 3;
-/// In a search that takes long, it is not getting on after so many times, whether others are ahead or not.
-const STALE_ALONE: u64 = 4;
+const ALONE: u64 = 2;
 /// Who is nearest to the goal has so many times its share, until it has done so many times the work that it took to come
 /// there.
 const LEADING: u64 = 8;
@@ -68,20 +67,16 @@ impl<'a> Arm<'a> {
         ending
     }
 
-    /// How many times its share is to be divided by [`LEFT`]: it has not come nearer for longer than it took to get where
-    /// it is, and others, who came to a distance, are ahead of it; or it has not for long, in a search that takes long. Who
-    /// follows others is never left behind.
-    fn behind(&self, nearest: u32, is_late: bool) -> u32 {
+    /// How many times its share is to be divided by [`LEFT`], where somebody has come to a distance: it has not come nearer
+    /// for longer than it took to get where it is. Who follows others is never left behind.
+    fn behind(&self, nearest: u32) -> u32 {
         let (mine, work) = self.nearest;
         if self.searcher.nearest().is_none() || self.searcher.follows() {
             return 0;
         }
-        let is_stale = |times: &u64| self.searcher.work() > times.saturating_mul(work);
-        if is_ahead(nearest, mine) {
-            STALE.iter().filter(|times| is_stale(times)).count() as u32
-        } else {
-            u32::from(is_late && is_stale(&STALE_ALONE))
-        }
+        let patience = if is_ahead(nearest, mine) { 1 } else { ALONE };
+        let is_stale = |times: &&u64| self.searcher.work() > work.saturating_mul(**times * patience);
+        STALE.iter().filter(is_stale).count() as u32
     }
 
     /// Whether it has come nearer to the goal lately.
@@ -203,7 +198,7 @@ impl<'a> Portfolio<'a> {
 
     /// The planner that is furthest behind its share.
     fn next(&self) -> Option<usize> {
-        let (mut leader, mut nearest, is_late) = (None, u32::MAX, self.is_late());
+        let (mut leader, mut nearest) = (None, u32::MAX);
         if self.fastest.is_none() {
             let with_distance = (0..self.arms.len()).filter(|at| self.arms[*at].searcher.nearest().is_some());
             leader = with_distance.min_by_key(|at| self.arms[*at].nearest);
@@ -212,8 +207,10 @@ impl<'a> Portfolio<'a> {
         }
         (0..self.arms.len()).min_by_key(|at| {
             let arm = &self.arms[*at];
-            let lead = if leader == Some(*at) { LEADING } else { 1 };
-            let behind = if self.fastest.is_none() { arm.behind(nearest, is_late) } else { 0 };
+            // Who comes to no distance is not behind.
+            let keeps_up = leader.is_some() && arm.searcher.nearest().is_none();
+            let lead = if keeps_up || leader == Some(*at) { LEADING } else { 1 };
+            let behind = if self.fastest.is_none() { arm.behind(nearest) } else { 0 };
             let share = self.share(arm) * LEFT.pow(STALE.len() as u32 - behind) * lead;
             arm.searcher.work().saturating_add(arm.searcher.nodes().saturating_mul(NODE)) / share.max(1)
         })

@@ -7,7 +7,7 @@ use super::search_context::Notes;
 use super::searcher::{Ending, Searcher};
 
 /// Number of nodes per share in the first turn; turns grow with the nodes spent, to limit their number.
-const TURN: u64 = 64;
+const TURN: u64 = 32;
 /// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
 /// As many places must one be nearer to the goal for others to go on from its way.

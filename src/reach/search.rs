@@ -259,7 +259,7 @@ impl<'a> Builder<'_, 'a> {
                 add(Planner::Rrt, &[[1, 1, 0]]);
                 // Exhaustive search does not depend on the seed.
                 if tree == 0 {
-                    arms.push(Arm::new(1, Box::new(self.refinement(tree))));
+                    arms.push(Arm::new(FOR_PROOFS[0], Box::new(self.refinement(tree))).late(FOR_PROOFS[1]));
                 }
                 self.portfolio(arms)
             }
@@ -412,8 +412,11 @@ const RESTART_BY_NUMBERS: u64 = 20_000;
 /// Coarse holds, steps: they lead to few states, among which paths are found soon.
 const COARSE: [u16; 3] = [10, 5, 2];
 
+/// The shares of an exhaustive search, which looks for proofs: of few states there is one soon.
+const FOR_PROOFS: [u64; 2] = [2, 1];
+
 /// The shares of the work in `auto`: until a path is found, and in the search for a faster one. RRT, which finds some
-/// things that others do not, and an exhaustive search, which looks for proofs, have a share of 1.
+/// things that others do not, has a share of 1.
 struct Shares {
     /// Of the tree that is led by distances and by coverage.
     blended: u64,

@@ -8,6 +8,8 @@ use super::searcher::{Ending, Searcher};
 
 /// Number of nodes per share in the first turn; turns grow with the nodes spent, to limit their number.
 const TURN: u64 = 32;
+/// Number of nodes of the very first turn: much is found at once by the first planner.
+const FIRST: u64 = 128;
 /// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
 /// As many places must one be nearer to the goal for others to go on from its way.
@@ -238,7 +240,8 @@ impl Searcher for Portfolio<'_> {
                     }
                     let Some(at) = self.next() else { return Ending::Spent };
                     let (share, nodes) = (self.share(&self.arms[at]), self.arms[at].searcher.nodes());
-                    (at, nodes + (nodes / SHARE).max(TURN * share))
+                    let at_first = if self.nodes() == 0 { FIRST } else { 0 };
+                    (at, nodes + (nodes / SHARE).max(TURN * share).max(at_first))
                 }
             };
             let is_last = self.arms.len() == 1;

@@ -440,9 +440,9 @@ const AUTO: Shares = Shares {
     coverage: [1, 8, 0],
 };
 const TO_AN_EDGE: Shares = Shares {
-    blended: 8,
-    by_time: &[[10, 10, 3], [6, 6, 1], [4, 4, 0]],
-    beam: [8, 12, 5],
+    blended: 14,
+    by_time: &[[8, 10, 3], [6, 6, 1], [4, 4, 0]],
+    beam: [4, 12, 5],
     by_jumps: &[[2, 24, 0]],
     coverage: [4, 4, 0],
 };

@@ -34,9 +34,8 @@ pub(super) fn gates(problem: &Problem<'_>, space: &ConfigurationSpace, player: S
         let guarded = entity.colliders.iter().filter_map(|collider| Some((collider, collider.guard?)));
         guarded.filter_map(move |(collider, guard)| {
             let (mode, is_active) = mode_of(problem, guard)?;
-            let (x, y) = (slot.vars[VarId::X][0], slot.vars[VarId::Y][0]);
-            let b = extent(problem, id, collider)?;
-            let bounds = Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y };
+            let at = (slot.vars[VarId::X][0], slot.vars[VarId::Y][0]);
+            let bounds = extent(problem, id, collider)?.placed(at);
             let is_open = Fact::of_mode(id, mode, !is_active);
             let is_closed = !is_open.holds_at_first(problem) && !is_moving(problem, space, id);
             is_closed.then_some(Gate { is_open, space: slot.space, bounds, tags: collider.tags })

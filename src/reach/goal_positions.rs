@@ -269,7 +269,7 @@ impl Finder<'_> {
         if world.slots[other].origin == Origin::Free || is_moving(self.problem, back.space, other) {
             return None;
         }
-        let (x, y) = (world.slots[other].vars[VarId::X][0], world.slots[other].vars[VarId::Y][0]);
+        let at = (world.slots[other].vars[VarId::X][0], world.slots[other].vars[VarId::Y][0]);
         let theirs = entity.colliders.iter().filter(|c| c.tags.meets(touch.mine));
         let theirs: Vec<Bounds> = theirs.map(|c| extent(self.problem, other, c)).collect::<Option<_>>()?;
         let wanted = TagSet::of(touch.other);
@@ -279,8 +279,7 @@ impl Finder<'_> {
         for collider in mine {
             let mine = extent(self.problem, self.player, collider)?;
             places.extend(theirs.iter().flat_map(|b| {
-                let target = Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y };
-                let [x, y] = overlapping(&mine, &target);
+                let [x, y] = overlapping(&mine, &b.placed(at));
                 images(world, PositionBox { space: Some(world.slots[other].space), x, y })
             }));
         }
@@ -368,12 +367,10 @@ impl Finder<'_> {
             targets.extend(static_boxes(space, wanted, MAX_BOXES).map(|bounds| (id, bounds)));
         }
         for (id, slot) in world.slots.pairs().filter(|(_, s)| s.origin != Origin::Free) {
-            let (x, y) = (slot.vars[VarId::X][0], slot.vars[VarId::Y][0]);
+            let at = (slot.vars[VarId::X][0], slot.vars[VarId::Y][0]);
             let colliders = program.entities[slot.entity].colliders.iter().filter(|c| c.tags.meets(wanted));
             let boxes = colliders.filter_map(|c| extent(self.problem, id, c));
-            targets.extend(boxes.map(|b| {
-                (slot.space, Bounds { left: b.left + x, right: b.right + x, bottom: b.bottom + y, top: b.top + y })
-            }));
+            targets.extend(boxes.map(|b| (slot.space, b.placed(at))));
         }
         let mut places = Vec::new();
         for collider in entity.colliders.iter().filter(|c| touch.mine.meets(c.tags) && self.is_paired(c.tags, wanted)) {

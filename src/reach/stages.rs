@@ -77,16 +77,16 @@ impl<'w> Ways<'w> {
         if self.gates.iter().all(is_opened) || self.leads(&field) {
             return (field, Vec::new());
         }
-        let field = self.flood(to, |_| true);
-        if !self.leads(&field) {
-            return (field, Vec::new());
+        let open = self.flood(to, |_| true);
+        if !self.leads(&open) {
+            return (open, Vec::new());
         }
         // A gate is needed if there is no way once it alone is closed.
         let is_needed =
             |gate: &&Gate| !is_opened(gate) && !self.leads(&self.flood(to, |other| other.is_open != gate.is_open));
         let needed: Vec<Fact> = self.gates.iter().filter(is_needed).map(|gate| gate.is_open).collect();
         let field = self.flood(to, |gate| is_opened(gate) || needed.contains(&gate.is_open));
-        if self.leads(&field) { (field, needed) } else { (self.flood(to, |_| true), needed) }
+        (if self.leads(&field) { field } else { open }, needed)
     }
 }
 

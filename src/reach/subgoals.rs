@@ -119,7 +119,8 @@ impl Finder<'_> {
     /// Adds a fact, after what it needs itself.
     fn add_fact(&self, fact: Fact, needed_for: &[Fact], all: &mut Vec<Subgoal>) {
         let is_known = all.iter().any(|known| known.fact == fact) || needed_for.contains(&fact);
-        if is_known || needed_for.len() >= MAX_DEPTH {
+        // With enough of them, nothing is looked for any more: each fact may need many others.
+        if is_known || needed_for.len() >= MAX_DEPTH || all.len() >= MAX_SUBGOALS {
             return;
         }
         let edges = self.edges_to(fact);

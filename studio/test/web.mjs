@@ -210,7 +210,7 @@ test("the report of a search: verdicts, their ways, where the search was", async
 });
 
 test("the report of a proof, and of a run", async (t) => {
-  const proof = ["reach", "examples/link.hyped", "--goal", "treasure", "--without", "hero.keys > 0"];
+  const proof = ["reach", "tests/verdicts/axis_and_button.hyped", "--goal", "lift", "--without", "car.x > 190"];
   const { page, errors } = await reported(t, proof);
   await page.locator(".verdict.proof").getByText("proven unreachable").waitFor();
   await page.getByText("never holds").waitFor();

@@ -287,3 +287,94 @@ fn auto_goes_on_from_its_first_way_to_faster_ones() {
     }
     assert!(is_faster);
 }
+
+/// A pillar among spikes, and a ledge beyond them, under a ceiling: only a jump from the last pixels of the pillar, with the
+/// button released at one step or two, leads there.
+const PILLAR: &str = r#"
+entity Pit {
+    axis horizontal
+    button jump
+    collider body, player: rect(2, 0, 12, 16)
+    clamp y' >= -240
+    mode alive {
+        when touching(player, hazard) -> dead
+        mode air {
+            envelope x' by horizontal {
+                attack accel 400
+                sustain 75
+                release accel 400
+            }
+            when touching(body, solid, below) -> ground
+            mode falling { y'' = -900 }
+            mode rising {
+                y'' = -400
+                when not held(jump) or y' <= 0 -> falling
+            }
+        }
+        initial mode ground {
+            y' = 0
+            envelope x' by horizontal {
+                attack accel 400
+                sustain 75
+                release accel 400
+            }
+            when not touching(body, solid, below) -> falling
+            when pressed(jump) -> rising { y' := 225 }
+        }
+    }
+    mode dead {
+        x' = 0
+        y' = 0
+    }
+}
+
+world Stage {
+    step 1/60
+    collide body with solid: block
+    collide player with hazard: sense
+    tiles stage 16 x 16 {
+        '.': empty
+        '#': solid
+        'H': solid, hazard
+    }
+    space main {
+        map stage "
+            ...........
+            ........#..
+            ...........
+            ...........
+            ...........
+            HHHH#HHH###
+        "
+        place pit: Pit at (62, 16)
+    }
+    player 1: pit
+    goal over: pit in ground and pit.x > 120
+    never died: pit in dead
+}
+"#;
+
+#[test]
+fn a_jump_that_few_inputs_make_is_found_by_its_misses() {
+    let program = program(compile_text(PILLAR));
+    for seed in 1..=5 {
+        let found = find(&program, "over", (seed, 20_000), Planner::LedgeGuided);
+        assert!(found.is_some(), "seed {seed}");
+    }
+}
+
+#[test]
+fn without_ledges_the_search_by_ledges_ends() {
+    let program = program(compile_text(
+        "entity Ship {
+            axis across
+            mode flying { x' = across * 60 }
+        }
+        world Space {
+            space main { place ship: Ship at (0, 0) }
+            player 1: ship
+            goal away: ship.x > 100000
+        }",
+    ));
+    assert!(find(&program, "away", (1, 100_000), Planner::LedgeGuided).is_none());
+}

@@ -117,6 +117,12 @@ impl DistanceField {
         self.stages[stage].of(space, cell).saturating_add(rest)
     }
 
+    /// The distance in a state as if the player were elsewhere.
+    pub fn from(&self, sim: &Simulator, state: &[u8], space: SpaceId, at: (f64, f64)) -> u32 {
+        let (stage, rest) = self.stage(sim, state);
+        self.stages[stage].of(space, self.grids[space.index()].cell(at)).saturating_add(rest)
+    }
+
     /// The stage in a state, and the distance from where it comes about to the goal.
     fn stage(&self, sim: &Simulator, state: &[u8]) -> (usize, u32) {
         let last = self.stages.len() - 1;
@@ -280,6 +286,40 @@ fn kinds(space: &Space) -> Vec<TagSet> {
     space.map.iter().flat_map(|map| &map.kinds).map(|kind| kind.tags.iter().copied().collect()).collect()
 }
 
+/// The core of the player's body, which static obstacles of a space hold up, with its tags: the intersection of all its
+/// shapes, as a shape that is seldom active says little about where the player fits.
+pub(super) fn body(
+    problem: &Problem<'_>,
+    player: SlotId,
+    id: SpaceId,
+    holds: impl Fn(TagSet, TagSet) -> bool,
+) -> Option<(TagSet, Bounds)> {
+    let world = problem.sim.world();
+    let entity = &problem.sim.program().entities[world.slots[player].entity];
+    let (space, kinds) = (&world.spaces[id], kinds(&world.spaces[id]));
+    let bodies = entity.colliders.iter().filter(|c| {
+        let by_solid = space.solids.iter().any(|solid| holds(c.tags, solid.tags));
+        !c.kinematic && (by_solid || kinds.iter().any(|tags| holds(c.tags, *tags)))
+    });
+    let mut core: Option<(TagSet, Bounds)> = None;
+    for collider in bodies {
+        let extent = extent(problem, player, collider)?;
+        core = Some(match core {
+            None => (collider.tags, extent),
+            Some((tags, b)) => (
+                tags,
+                Bounds {
+                    left: b.left.greatest(extent.left),
+                    right: b.right.least(extent.right),
+                    bottom: b.bottom.greatest(extent.bottom),
+                    top: b.top.least(extent.top),
+                },
+            ),
+        });
+    }
+    core
+}
+
 impl Grid {
     fn new(
         problem: &Problem<'_>,
@@ -308,39 +348,10 @@ impl Grid {
         }
         let (columns, rows) = (columns as usize, rows as usize);
         let places = columns * rows;
-        let core = Grid::core(problem, player, id);
+        let core = body(problem, player, id, |mine, tags| blocks(world, mine, tags));
         let mut grid = Grid { left: area.left, bottom: area.bottom, columns, rows, core, blocked: vec![0; places] };
         grid.block(problem, id, meter);
         Some(grid)
-    }
-
-    /// The core of the player's body, which static obstacles of a space block, with its tags: the intersection of all its
-    /// shapes, as a shape that is seldom active says little about where the player fits.
-    fn core(problem: &Problem<'_>, player: SlotId, id: SpaceId) -> Option<(TagSet, Bounds)> {
-        let world = problem.sim.world();
-        let entity = &problem.sim.program().entities[world.slots[player].entity];
-        let (space, kinds) = (&world.spaces[id], kinds(&world.spaces[id]));
-        let bodies = entity.colliders.iter().filter(|c| {
-            let by_solid = space.solids.iter().any(|solid| blocks(world, c.tags, solid.tags));
-            !c.kinematic && (by_solid || kinds.iter().any(|tags| blocks(world, c.tags, *tags)))
-        });
-        let mut core: Option<(TagSet, Bounds)> = None;
-        for collider in bodies {
-            let extent = extent(problem, player, collider)?;
-            core = Some(match core {
-                None => (collider.tags, extent),
-                Some((tags, b)) => (
-                    tags,
-                    Bounds {
-                        left: b.left.greatest(extent.left),
-                        right: b.right.least(extent.right),
-                        bottom: b.bottom.greatest(extent.bottom),
-                        top: b.top.least(extent.top),
-                    },
-                ),
-            });
-        }
-        core
     }
 
     /// Marks the positions at which the player overlaps static obstacles.

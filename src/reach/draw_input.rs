@@ -3,6 +3,8 @@
 
 use rand::RngExt;
 
+use crate::sim::Input;
+
 use super::search_context::SearchContext;
 use super::strategy::Choice;
 use super::tree::NodeId;
@@ -71,6 +73,22 @@ impl SearchContext<'_> {
         }
         let hold = self.draw_hold();
         Some(Choice { node, input: self.hold_ahead(node, input), hold })
+    }
+
+    /// What the players do in an input of a node.
+    pub fn input(&self, node: NodeId, input: usize) -> &Input {
+        self.controls.input(self.tree.set(node), input)
+    }
+
+    /// The input of a node that is most like another, also in what only the modes ahead read.
+    pub fn input_like(&self, node: NodeId, wanted: &Input) -> usize {
+        let set = self.tree.set(node);
+        let differs = |index: &usize| wanted.difference(self.controls.input(set, *index));
+        let input = (0..self.controls.count(set)).min_by_key(differs).unwrap_or(0);
+        match self.controls.combinations_ahead(set) {
+            1 => input,
+            _ => self.controls.holding_ahead(set, input, self.controls.combination_of(set, wanted)),
+        }
     }
 
     /// An input of a node with what only the modes ahead read.

@@ -26,10 +26,10 @@ impl KnownStates {
         self.of_nodes.clear();
     }
 
-    /// Whether a tree has a state at a depth or before.
-    pub fn has(&self, tree: &Tree, state: &[u8], depth: u32) -> bool {
+    /// The node of a tree that has a state, at a depth or before.
+    pub fn find(&self, tree: &Tree, state: &[u8], depth: u32) -> Option<NodeId> {
         let is_same = |id: &u32| tree.depth(NodeId(*id)) <= depth && tree.has_state(NodeId(*id), state);
-        self.nodes.find(spread(self.half(state)), is_same).is_some()
+        self.nodes.find(spread(self.half(state)), is_same).map(|id| NodeId(*id))
     }
 
     /// Adds the next node of the tree.
@@ -65,13 +65,14 @@ mod tests {
         known.add(root, &one);
         let late = tree.push(&other, root, (0, 9), 0, 4);
         known.add(late, &other);
-        assert!(known.has(&tree, &one, 0) && known.has(&tree, &one, 5));
-        assert!(known.has(&tree, &other, 9) && !known.has(&tree, &other, 8));
+        let has = |known: &KnownStates, tree: &Tree, state, depth| known.find(tree, state, depth).is_some();
+        assert!(has(&known, &tree, &one, 0) && has(&known, &tree, &one, 5));
+        assert!(has(&known, &tree, &other, 9) && !has(&known, &tree, &other, 8));
         let soon = tree.push(&other, root, (1, 3), 0, 4);
         known.add(soon, &other);
-        assert!(known.has(&tree, &other, 3) && !known.has(&tree, &other, 2));
+        assert!(has(&known, &tree, &other, 3) && !has(&known, &tree, &other, 2));
         tree.clear();
         known.clear();
-        assert!(!known.has(&tree, &one, 5));
+        assert!(!has(&known, &tree, &one, 5));
     }
 }

@@ -33,6 +33,7 @@ mod goal_positions;
 mod improve_duration;
 mod interval;
 mod known_states;
+mod ledges;
 mod lost;
 mod luck;
 mod metric;

@@ -136,12 +136,12 @@ impl<'a> Sampler<'a> {
         root
     }
 
-    /// Whether a choice has led to a state that the tree had reached before, as soon as that where it matters.
-    fn is_known(&self, choice: Choice) -> bool {
+    /// The node with the state that a choice has led to, if the tree had reached it before, as soon as that where it matters.
+    fn known(&self, choice: Choice) -> Option<NodeId> {
         let counts_steps = self.strategy.counts_steps() || self.time().is_some();
         let (tree, state) = (&self.context.tree, self.context.reached());
         let depth = if counts_steps { tree.depth(choice.node) + u32::from(choice.hold) } else { u32::MAX };
-        self.known.as_ref().is_some_and(|known| known.has(tree, state, depth))
+        self.known.as_ref()?.find(tree, state, depth)
     }
 
     /// Keeps the way to the nearest node of the tree, which is removed next.
@@ -242,7 +242,9 @@ impl<'a> Sampler<'a> {
             return None;
         };
         self.discarded = 0;
-        match self.context.extend(choice) {
+        let extension = self.context.extend(choice);
+        let choice = self.context.as_held(choice);
+        match extension {
             // What the goal needs is used up.
             Extension::Open if self.lost.is_in(self.context.problem.sim, self.context.reached()) => {
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Failed);
@@ -255,11 +257,12 @@ impl<'a> Sampler<'a> {
             {
                 self.strategy.learn(&mut self.context, Some(choice), Growth::Late);
             }
-            Extension::Open if self.is_known(choice) => {
-                self.context.reached_point(&mut self.point);
-                self.strategy.learn(&mut self.context, Some(choice), Growth::Known(&self.point));
-            }
             Extension::Open => {
+                if let Some(known) = self.known(choice) {
+                    self.context.reached_point(&mut self.point);
+                    self.strategy.learn(&mut self.context, Some(choice), Growth::Known(known, &self.point));
+                    return None;
+                }
                 let node = self.context.add(choice, true);
                 if let Some(known) = &mut self.known {
                     known.add(node, self.context.reached());

@@ -251,6 +251,9 @@ impl<'a> Builder<'_, 'a> {
                 if self.guidance.distances.is_none_or(|of| is_certain || !self.is_pushed(of)) {
                     add(Planner::DistanceGuided, shares.by_jumps);
                 }
+                if !shares.by_ledges.is_empty() && self.guidance.distances.is_none_or(|of| !self.is_pushed(of)) {
+                    add(Planner::LedgeGuided, shares.by_ledges);
+                }
                 if places.is_some() {
                     add(Planner::TimeGuided, shares.by_time);
                     add(Planner::Beam, &[shares.beam]);
@@ -426,6 +429,8 @@ struct Shares {
     beam: [u64; 3],
     /// Of a tree by whole jumps: not of what is pushed, nor with a time limit.
     by_jumps: &'static [[u64; 3]],
+    /// Of one from ledge to ledge: where the goal has a position.
+    by_ledges: &'static [[u64; 3]],
     /// Of a tree by coverage alone, where distances lead astray.
     coverage: [u64; 3],
 }
@@ -437,6 +442,7 @@ const AUTO: Shares = Shares {
     by_time: &[[3, 3, 3], [2, 2, 1], [1, 1, 0]],
     beam: [2, 8, 5],
     by_jumps: &[[28, 56, 0]],
+    by_ledges: &[[12, 84, 0]],
     coverage: [1, 8, 0],
 };
 const TO_AN_EDGE: Shares = Shares {
@@ -444,14 +450,17 @@ const TO_AN_EDGE: Shares = Shares {
     by_time: &[[8, 10, 3], [6, 6, 1], [4, 4, 0]],
     beam: [4, 12, 5],
     by_jumps: &[[2, 24, 0]],
+    by_ledges: &[],
     coverage: [4, 4, 0],
 };
-const NOWHERE: Shares = Shares { blended: 8, by_time: &[], beam: [0; 3], by_jumps: &[[6, 4, 0]], coverage: [4, 4, 0] };
+const NOWHERE: Shares =
+    Shares { blended: 8, by_time: &[], beam: [0; 3], by_jumps: &[[6, 4, 0]], by_ledges: &[], coverage: [4, 4, 0] };
 const IN_TIME: Shares = Shares {
     blended: 8,
     by_time: &[[4, 4, 2], [3, 3, 1], [3, 3, 2], [2, 2, 0]],
     beam: [6, 6, 4],
     by_jumps: &[],
+    by_ledges: &[],
     coverage: [1, 1, 0],
 };
 

@@ -11,6 +11,7 @@ use super::controls::ControlSets;
 use super::coverage::Coverage;
 use super::distance::DistanceField;
 use super::explore::Reached;
+use super::ledges::Gauge;
 use super::luck::{Luck, only_read};
 use super::metric::{Metric, Point};
 use super::outcome::{Cut, Plan, Statistics, Visited, join_records};
@@ -132,6 +133,10 @@ pub struct SearchContext<'a> {
     recorded: Option<usize>,
     /// Keeps the nearest states, if a missing answer is to be explained.
     tracker: Option<Box<Tracker<'a>>>,
+    /// Ends extensions where players land, if that is what a strategy looks for.
+    pub(super) gauge: Option<Box<Gauge>>,
+    /// The number of steps after which it has ended the last one.
+    landed: Option<u16>,
 }
 
 impl<'a> SearchContext<'a> {
@@ -171,6 +176,8 @@ impl<'a> SearchContext<'a> {
             is_refuted: false,
             recorded: None,
             tracker: None,
+            gauge: None,
+            landed: None,
         }
     }
 
@@ -286,6 +293,10 @@ impl<'a> SearchContext<'a> {
         if let Some(tracker) = &mut self.tracker {
             tracker.begin(self.problem.sim, &self.work, choice.node);
         }
+        self.landed = None;
+        if let Some(gauge) = &mut self.gauge {
+            gauge.begin(self.problem.sim, &self.work);
+        }
         for step in 1..=choice.hold {
             if u32::from(step) > left {
                 return Extension::Dead;
@@ -319,13 +330,22 @@ impl<'a> SearchContext<'a> {
             match judged {
                 // Comparisons of a position take effect in the next step: one state beyond the window is simulated,
                 // whatever the speed.
-                Ok(StateStatus::Open) => match self.windows.left(self.problem, &self.work) {
-                    Some(space) if was_beyond => {
-                        self.record_cut(space, self.tree.depth(choice.node) + u32::from(step));
-                        return Extension::Dead;
+                Ok(StateStatus::Open) => {
+                    match self.windows.left(self.problem, &self.work) {
+                        Some(space) if was_beyond => {
+                            self.record_cut(space, self.tree.depth(choice.node) + u32::from(step));
+                            return Extension::Dead;
+                        }
+                        left => was_beyond = left.is_some(),
                     }
-                    left => was_beyond = left.is_some(),
-                },
+                    if let Some(gauge) = &mut self.gauge
+                        && gauge.see(self.problem.sim, &self.work)
+                        && step >= self.hold.0
+                    {
+                        self.landed = Some(step);
+                        return Extension::Open;
+                    }
+                }
                 Ok(StateStatus::Goal) => return Extension::Goal(step),
                 Ok(StateStatus::Dead(death)) => {
                     self.record_termination(choice, step, death);
@@ -341,6 +361,16 @@ impl<'a> SearchContext<'a> {
             }
         }
         Extension::Open
+    }
+
+    /// A choice with the number of steps for which it was held in the last extension.
+    pub(super) fn as_held(&self, choice: Choice) -> Choice {
+        Choice { hold: self.landed.unwrap_or(choice.hold), ..choice }
+    }
+
+    /// Whether the last extension ended where the player landed.
+    pub(super) fn has_landed(&self) -> bool {
+        self.landed.is_some()
     }
 
     fn record_cut(&mut self, space: SpaceId, soonest: u32) {

@@ -28,8 +28,8 @@ pub enum Growth<'p> {
     Failed,
     /// From where it ended, the goal is too far away for the time that is left.
     Late,
-    /// It ended in a state, at this point, that the tree had reached before; only of planners without samples.
-    Known(&'p Point),
+    /// It ended in the state of a node, at this point, that the tree had reached before; only of planners without samples.
+    Known(NodeId, &'p Point),
 }
 
 /// Everything in which planners differ; the loop does the rest.

@@ -397,12 +397,12 @@ pub(in crate::cli) struct ReachArgs {
     #[arg(long, value_enum, value_name = "METRIC", default_value = "full", help_heading = "The search")]
     pub metric: MetricName,
     /// The time for which planners hold an input: `10frames`, or `10frames..1s` to draw it for each extension [default:
-    /// 10 steps; 4 to 60 for `coverage`; 1 to 60 for `distance-guided`; 8, 12 or 16 for `time-guided`; 6, 8 or 12 for
-    /// `beam`; as short as the question allows for `exhaustive` and `best-first`].
+    /// 10 steps; 4 to 60 for `coverage`; 1 to 60 for `distance-guided` and `ledge-guided`; 8, 12 or 16 for `time-guided`; 6,
+    /// 8 or 12 for `beam`; as short as the question allows for `exhaustive` and `best-first`].
     #[arg(long, value_name = "TIME|A..B", value_parser = Hold::read, help_heading = "The search")]
     pub hold: Option<Hold>,
-    /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `distance-guided`,
-    /// 20000 for `coverage`, 2000 for others; the trees of `time-guided` and `beam` grow as they go on].
+    /// The number of nodes of the shortest tree before a restart, or `never` [default: 100000 for `distance-guided`
+    /// and `ledge-guided`, 20000 for `coverage`, 2000 for others; the trees of `time-guided` and `beam` grow as they go on].
     #[arg(long, value_name = "N|never", value_parser = restart, help_heading = "The search")]
     pub restart: Option<Restart>,
     /// The number of trees that grow side by side, each with its own seed.

@@ -132,7 +132,7 @@ impl Strategy for Adaptive {
                 }
                 is_new
             }
-            Growth::Failed | Growth::Late | Growth::Known(_) => false,
+            Growth::Failed | Growth::Late | Growth::Known(..) => false,
         };
         if choice.is_some() {
             let (new, all) = &mut self.yields[self.source as usize];

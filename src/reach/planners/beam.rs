@@ -252,7 +252,7 @@ impl Strategy for Beam<'_> {
                 self.add(context, node, point, from);
             }
             Growth::Failed => {}
-            Growth::Late | Growth::Known(_) => {
+            Growth::Late | Growth::Known(..) => {
                 if let Some(from) = self.layer.get(self.done) {
                     self.dead_ends.leave(from.state);
                 }

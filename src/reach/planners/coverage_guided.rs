@@ -171,7 +171,7 @@ impl Strategy for CoverageGuided<'_> {
                 self.cells.clear();
                 self.cells.add(root, &self.keys(context, context.reached(), point));
             }
-            (Growth::Known(point), Some(choice)) => self.compare(context, choice.node, point),
+            (Growth::Known(_, point), Some(choice)) => self.compare(context, choice.node, point),
             (Growth::Added(node, point), Some(choice)) => {
                 self.compare(context, choice.node, point);
                 let (first, _) = self.cells.add(node, &self.keys(context, context.reached(), point));

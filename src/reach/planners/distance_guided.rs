@@ -332,8 +332,8 @@ impl Strategy for DistanceGuided<'_> {
                 self.add(context, root, point, None);
             }
             Growth::Added(node, point) => self.add(context, node, point, choice),
-            Growth::Failed | Growth::Late | Growth::Known(_) => {
-                if let Growth::Known(point) = growth {
+            Growth::Failed | Growth::Late | Growth::Known(..) => {
+                if let Growth::Known(_, point) = growth {
                     // Who waits comes to the same state.
                     self.is_rest(context, (point, self.modes(point)), choice);
                 }

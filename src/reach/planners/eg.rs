@@ -38,10 +38,10 @@ impl Strategy for Eg {
                 root
             }
             (Growth::Added(node, _), _) => node,
-            (Growth::Failed | Growth::Late | Growth::Known(_), Some(choice)) => {
+            (Growth::Failed | Growth::Late | Growth::Known(..), Some(choice)) => {
                 return self.violations.fail(context, choice.node);
             }
-            (Growth::Failed | Growth::Late | Growth::Known(_), None) => return,
+            (Growth::Failed | Growth::Late | Growth::Known(..), None) => return,
         };
         self.violations.add();
         for failed in self.reachable.add(context, node) {

@@ -13,6 +13,7 @@ mod dead_ends;
 mod distance_guided;
 mod eg;
 mod guided;
+mod ledge_guided;
 mod player_cells;
 mod rc;
 mod reachable;
@@ -44,6 +45,7 @@ pub enum Planner {
     DistanceGuided,
     TimeGuided,
     Beam,
+    LedgeGuided,
     Exhaustive,
     BestFirst,
 }
@@ -114,7 +116,7 @@ impl Spec {
 }
 
 /// All planners, in the order of [`Planner`].
-const SPECS: [Spec; 14] = [
+const SPECS: [Spec; 15] = [
     Spec {
         planner: Planner::Auto,
         name: "auto",
@@ -181,6 +183,17 @@ const SPECS: [Spec; 14] = [
             strategy: |problem, metric, guidance| Box::new(beam::Beam::new(problem, metric, guidance)),
         },
     },
+    Spec {
+        planner: Planner::LedgeGuided,
+        name: "ledge-guided",
+        hold: (1, 60),
+        restart: 100_000,
+        uses_distances: true,
+        method: Method::Sampling {
+            samples: false,
+            strategy: |problem, _, guidance| Box::new(ledge_guided::LedgeGuided::new(problem, guidance)),
+        },
+    },
     Spec::exhaustive(Planner::Exhaustive, "exhaustive", false),
     Spec::exhaustive(Planner::BestFirst, "best-first", true),
 ];
@@ -222,6 +235,7 @@ impl Planner {
             Planner::DistanceGuided => "guided by the distance to the goal through the level (after SyCLoP)",
             Planner::TimeGuided => "guided by the time to the goal (weighted A* over cells, after Pohl 1970)",
             Planner::Beam => "of all states of a time, only the nearest to the goal (beam search, after Lowerre 1976)",
+            Planner::LedgeGuided => "from ledge to ledge: inputs that lead there, by local search",
             Planner::Exhaustive => "breadth first, each state once: shortest plans, and proofs of unreachability",
             Planner::BestFirst => "the nearest to the goal first, each state once: proofs of unreachability",
         }

@@ -36,10 +36,10 @@ impl Strategy for Rc {
                 self.violations.add();
             }
             (Growth::Added(..), _) => self.violations.add(),
-            (Growth::Failed | Growth::Late | Growth::Known(_), Some(choice)) => {
+            (Growth::Failed | Growth::Late | Growth::Known(..), Some(choice)) => {
                 self.violations.fail(context, choice.node)
             }
-            (Growth::Failed | Growth::Late | Growth::Known(_), None) => {}
+            (Growth::Failed | Growth::Late | Growth::Known(..), None) => {}
         }
         self.rrt.learn(context, choice, growth);
     }

@@ -36,7 +36,7 @@ impl Strategy for Rg {
             Growth::Added(node, _) => {
                 self.reachable.add(context, node);
             }
-            Growth::Failed | Growth::Late | Growth::Known(_) => {}
+            Growth::Failed | Growth::Late | Growth::Known(..) => {}
         }
     }
 

@@ -56,7 +56,7 @@ impl Strategy for Rrt {
                 self.open.push(&point.reals, &point.modes);
             }
             Growth::Added(_, point) => self.open.push(&point.reals, &point.modes),
-            Growth::Failed | Growth::Late | Growth::Known(_) => {}
+            Growth::Failed | Growth::Late | Growth::Known(..) => {}
         }
     }
 

@@ -187,7 +187,7 @@ impl Strategy for TimeGuided<'_> {
                 self.add(context, root, point);
             }
             Growth::Added(node, point) => self.add(context, node, point),
-            Growth::Failed | Growth::Late | Growth::Known(_) => {}
+            Growth::Failed | Growth::Late | Growth::Known(..) => {}
         }
     }
 

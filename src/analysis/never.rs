@@ -1,6 +1,7 @@
 //! Why a predicate of a world holds in no state: the parts of it that decide this, with the values that they read.
 
 use crate::ir::{DiscreteId, Entity, Expr, ExprId, Extremes, Program, SlotId, Subject, TimerId, VarId, World, WorldId};
+use crate::ordered::Ordered;
 use crate::source::{SourceMap, code_on_one_line};
 
 use super::wording::relation;
@@ -153,7 +154,7 @@ impl Prover<'_> {
 
 /// Intervals of whole numbers, neighbours as one: 0 and \[1, 12\] are \[0, 12\]. Single numbers stay apart: {0, 1}.
 fn joined(mut all: Vec<Interval>) -> Vec<Interval> {
-    all.sort_by(|a, b| a.low.total_cmp(&b.low));
+    all.order_by(|a, b| a.low.total_cmp(&b.low));
     let mut out: Vec<Interval> = Vec::new();
     for next in all {
         match out.last_mut() {

@@ -5,6 +5,7 @@
 //! if anything can move it elsewhere: an update of the position, a link, a carrier, a spawn.
 
 use crate::ir::{Entity, ExprId, Extremes, Origin, Place, Program, SlotId, SpaceId, VarId, World, WorldId};
+use crate::ordered::Ordered;
 
 use crate::analysis::ConfigurationSpace;
 use crate::analysis::domain::values::Interval;
@@ -79,7 +80,7 @@ fn has_position_update(entity: &Entity, axis: usize) -> bool {
 /// The highest coordinate that a body reaches from `from`, if it travels `own` px by itself and pushes take it over
 /// some intervals.
 fn travel_end(mut push_reach: Vec<Interval>, from: f64, mut own: f64) -> f64 {
-    push_reach.sort_by(|a, b| a.low.total_cmp(&b.low));
+    push_reach.order_by(|a, b| a.low.total_cmp(&b.low));
     let mut at = from;
     for over in push_reach {
         if over.high <= at {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Diagnostic, Fix};
+use crate::ordered::Ordered;
 use crate::source::{FileId, Span};
 
 /// The fixes that can be applied compatible_fixes: of two that touch each other the first is selected. Fixes that fail `may`
@@ -35,7 +36,7 @@ pub fn by_file<'d>(fixes: impl IntoIterator<Item = &'d Fix>) -> BTreeMap<FileId,
 /// Applies edits to a text; none if they overlap or do not fit it. The spans are places in this text.
 pub fn apply_edits(text: &str, edits: &[(Span, &str)]) -> Option<String> {
     let mut edits = edits.to_vec();
-    edits.sort_by_key(|(span, _)| (span.start(), span.end()));
+    edits.order_by_key(|(span, _)| (span.start(), span.end()));
     let mut out = String::with_capacity(text.len());
     let mut done = 0;
     for (span, new) in edits {

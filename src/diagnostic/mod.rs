@@ -16,6 +16,7 @@ pub mod words;
 pub use code::Code;
 pub use similar::{MAX_CANDIDATES, only_similar, similar};
 
+use crate::ordered::Ordered;
 use crate::source::{FileId, SourceMap, Span};
 use suggestion::Suggestion;
 
@@ -204,7 +205,7 @@ impl Diagnostics {
         if self.list.len() <= MAX_FINDINGS {
             return;
         }
-        self.list.sort_by_key(|d| d.severity);
+        self.list.order_by_key(|d| d.severity);
         for d in self.list.drain(MAX_FINDINGS..) {
             match d.severity {
                 Severity::Error => self.left_out.0 += 1,
@@ -245,7 +246,7 @@ impl Diagnostics {
     /// Sorts by file and place, findings without a place first; removes duplicates and applies the limit.
     pub fn sort(&mut self) {
         self.limit();
-        self.list.sort_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));
+        self.list.order_by_key(|d| (d.primary.as_ref().map(|l| l.span), d.code));
         self.list.dedup();
     }
 

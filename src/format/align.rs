@@ -5,6 +5,8 @@
 //! more than one blank. Linked pieces get the leftmost column that fits all of them. A value without a sign may be
 //! aligned with one that has a sign: then it leaves room for it.
 
+use crate::ordered::Ordered;
+
 use super::lines::{Line, Lines, Piece, Slot};
 
 /// Maximum number of iterations until the columns are stable.
@@ -59,7 +61,7 @@ fn padding(lines: &Lines<'_>) -> Vec<usize> {
         }
     }
     // From left to right: the column of a piece depends on those before it.
-    members.sort_by_key(|group| group.first().map_or(0, |&(_, piece)| column(piece)));
+    members.order_by_key(|group| group.first().map_or(0, |&(_, piece)| column(piece)));
     let mut padding = vec![0; lines.pieces.len()];
     // For each line its next piece, and the column where the last one ends.
     let mut filled: Vec<(usize, usize)> = lines.lines.iter().map(|l| (l.pieces.start, l.indent)).collect();

@@ -8,6 +8,7 @@ use super::Chart;
 use super::chart::{Initial, Mode};
 use super::excerpt::{short, wrapped};
 use crate::ir::Extremes;
+use crate::ordered::Ordered;
 
 /// Assumed width of a character, slightly more than in common fonts.
 pub(super) const LETTER: f64 = 7.3;
@@ -265,7 +266,7 @@ fn assign_tracks(out: &mut Layout, routes: Vec<Route>, left: f64) -> usize {
         ends.fold((f64::MAX, f64::MIN), |(low, high), y| (low.least(y), high.greatest(y)))
     };
     let mut routes: Vec<((f64, f64), Route)> = routes.into_iter().map(|route| (reach(&route), route)).collect();
-    routes.sort_by(|((a, b), _), ((c, d), _)| (b - a).total_cmp(&(d - c)));
+    routes.order_by(|((a, b), _), ((c, d), _)| (b - a).total_cmp(&(d - c)));
     let mut taken: Vec<Vec<(f64, f64)>> = Vec::new();
     for ((low, high), mut route) in routes {
         let free = |track: &Vec<(f64, f64)>| track.iter().all(|(from, to)| high < from - GAP || low > to + GAP);

@@ -9,6 +9,7 @@ use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use crate::ordered::Ordered;
 use crate::source::{FileId, SourceMap, Span};
 
 use super::editor_level::{EditorLevel, Grid, Meaning, Object, Setting, Value, names, too_many_kinds};
@@ -175,7 +176,7 @@ pub(super) fn tilesets(
             }
         }
     }
-    sets.sort_by_key(|set| set.first);
+    sets.order_by_key(|set| set.first);
     Ok(Tilesets(sets))
 }
 

@@ -7,6 +7,7 @@ use crate::diagnostic::catalogue::lint::{Elsewhere, LinkNowhere, NoPlayer, Place
 use crate::diagnostic::catalogue::world::{UnknownLevelName, as_tag};
 use crate::diagnostic::{Diagnostics, similar};
 use crate::ir::{EntityId, Extremes, MAX_TAGS, Origin, Push, Subject, TagId};
+use crate::ordered::Ordered;
 use crate::sema::checked::{
     Checked, CollideRule, Entity, Instance, LevelName, Shape, Solid, Space, Term, TermKind, Touching, World,
 };
@@ -331,7 +332,7 @@ impl<'a> Walls<'a> {
     fn new(space: &'a Space) -> Self {
         let sides = space.solids.iter().map(|s| sides(s.rect));
         let mut solids: Vec<(Sides, usize, f64)> = sides.zip(0..).map(|(sides, index)| (sides, index, 0.0)).collect();
-        solids.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+        solids.order_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         let mut reach = f64::NEG_INFINITY;
         for (sides, _, up_to_here) in &mut solids {
             reach = reach.greatest(sides[1]);
@@ -345,7 +346,7 @@ impl<'a> Walls<'a> {
         let before = self.solids.partition_point(|(sides, ..)| sides[0] < of[1]);
         let near = self.solids[..before].iter().rev().take_while(|(_, _, reach)| *reach > of[0]);
         let mut near: Vec<(Sides, usize)> = near.map(|(sides, index, _)| (*sides, *index)).collect();
-        near.sort_by_key(|(_, index)| *index);
+        near.order_by_key(|(_, index)| *index);
         near.into_iter().map(|(sides, index)| (sides, &self.space.solids[index])).collect()
     }
 }

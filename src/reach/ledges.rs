@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use crate::ir::{Bounds, Extremes, Id, Push, SlotId, Space, SpaceId, TagSet, World};
+use crate::ordered::Ordered;
 use crate::sim::Simulator;
 
 use super::distance::body;
@@ -74,7 +75,7 @@ impl Ledges {
             }
         }
         let key = |ledge: &Ledge| (ledge.space.index(), ledge.y, ledge.inner.0);
-        all.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+        all.order_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
         Ledges { slot, all }
     }
 

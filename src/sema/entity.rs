@@ -12,6 +12,7 @@ use crate::ir::{
     AxisId, ButtonId, ChanceId, DiscreteId, EntityId, GroupId, IdVec, MAX_AXES, MAX_BUTTONS, MAX_CHANCES, ModeId,
     ParamId, RareVec, RefId, SignalId, VarId,
 };
+use crate::ordered::Ordered;
 use crate::source::Span;
 use crate::syntax::ast::{self, ALWAYS, Domain, Expr, Initial, Member, Name, Word};
 use crate::syntax::occurrence::NameKind;
@@ -237,7 +238,7 @@ impl Checker<'_> {
             }
         }
         // Those with a number come first.
-        signals.sort_by_key(|signal| signal.number.is_none());
+        signals.order_by_key(|signal| signal.number.is_none());
         entity.signals = signals.into_iter().collect();
         self.groups(modes, &mut entity, &mut body.modes);
         (entity, body)

@@ -1,6 +1,7 @@
 //! The slots of a world: placed instances, instances made by tiles, and free slots of a `limit`.
 
 use crate::ir::{EntityId, Id, IdVec, MAX_INSTANCES, Origin, RefId, SlotId, SpaceId, Subject, VarId};
+use crate::ordered::Ordered;
 
 use std::collections::BTreeMap;
 
@@ -66,7 +67,7 @@ impl Population {
     /// Puts the instances in the order of the text: those of maps are made first, as places are measured by maps.
     pub fn sort(&mut self) {
         let mut order: Vec<usize> = (0..self.instances.len()).collect();
-        order.sort_by_key(|slot| self.parts.get(*slot));
+        order.order_by_key(|slot| self.parts.get(*slot));
         if order.is_sorted() {
             return;
         }

@@ -1,6 +1,7 @@
 //! Worlds: the step, collision rules, tiles and maps, placed instances with their initial values, players, goals.
 
 use crate::ir::{Arithmetic, Bounce, Id, IdVec, MAX_COLLIDE_LINES, Origin, Push, Response, SpaceId, TagId};
+use crate::ordered::Ordered;
 
 use std::rc::Rc;
 
@@ -184,7 +185,7 @@ impl Checker<'_> {
     fn awaited_instances(&mut self, world: &World) {
         let mut names = std::mem::take(&mut self.awaited_names);
         let Some(map) = self.awaited.take() else { return };
-        names.sort_by_key(|name| name.at);
+        names.order_by_key(|name| name.at);
         // A level that cannot be read is already reported.
         let Some(first) = names.first().filter(|_| !self.level.is_unread) else { return };
         let mut all: Vec<String> = names.iter().map(|name| name.name.clone()).collect();

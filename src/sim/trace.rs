@@ -8,6 +8,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::ir::{Domain, SlotId};
 use crate::json::{self, Layout};
+use crate::ordered::Ordered;
 use crate::tabular::csv;
 
 use super::input::Input;
@@ -211,7 +212,7 @@ impl<'s> TraceLines<'s> {
     fn broken(&self, state: &[u8]) -> Vec<BrokenTile<'s>> {
         let tiles = self.sim.broken_tiles(state).into_iter();
         let mut places: Vec<_> = tiles.filter_map(|tile| self.sim.place_of_tile(tile)).collect();
-        places.sort_by_key(|(space, column, row)| (*space, *row, *column));
+        places.order_by_key(|(space, column, row)| (*space, *row, *column));
         let spaces = &self.sim.world().spaces;
         let named = |(space, column, row)| BrokenTile { space: &spaces[space].name, column, row };
         places.into_iter().map(named).collect()

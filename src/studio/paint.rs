@@ -8,6 +8,7 @@ use crate::compile::parted;
 use crate::diagnostic::Diagnostics;
 use crate::ir::TilePicture;
 use crate::level::{Brush, Canvas, Format, Meaning, read_dependencies, text_rows};
+use crate::ordered::Ordered;
 use crate::source::{FileId, Files, SourceMap, Span, normalize};
 use crate::syntax::ast::{File, Item, Kind, Map, MapSource, SpaceItem, Tile, World, WorldItem};
 use crate::syntax::{self, Unshared};
@@ -87,7 +88,7 @@ impl<'l> Written<'l> {
                         |brush: &&Brush| brush.names.is_empty() || brush.is_used || brush.names.iter().any(is_known);
                     let mut brushes: Vec<&Brush> = canvas.brushes.iter().filter(is_worth).collect();
                     // The empty one, those that the map has, the others.
-                    brushes.sort_by_key(|brush| (!brush.names.is_empty(), !brush.is_used));
+                    brushes.order_by_key(|brush| (!brush.names.is_empty(), !brush.is_used));
                     info.brushes_left_out = brushes.len().saturating_sub(MAX_BRUSHES);
                     brushes.truncate(MAX_BRUSHES);
                     info.brushes = brushes

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::compile::{Compilation, ExtraConstraint, LevelFile, compile_constrained};
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::ordered::Ordered;
 use crate::source::{Files, ReadError};
 use crate::why::place;
 
@@ -131,7 +132,7 @@ impl Project {
 /// The findings of a compilation, errors first.
 pub(super) fn findings(compilation: &Compilation) -> Vec<Finding> {
     let mut all: Vec<&Diagnostic> = compilation.diagnostics.iter().collect();
-    all.sort_by_key(|found| found.severity);
+    all.order_by_key(|found| found.severity);
     let finding = |found: &Diagnostic| Finding {
         severity: if found.severity == Severity::Error { "error" } else { "warning" }.to_string(),
         code: found.code.to_string(),

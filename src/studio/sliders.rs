@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::ordered::Ordered;
 use crate::source::{FileId, Files, SourceMap};
 use crate::syntax::{self, Number, Unshared};
 use crate::why::place;
@@ -56,7 +57,7 @@ impl Numbers {
         });
         let mut all: Vec<(Number, f64)> = literals.collect();
         let order: Vec<FileId> = trees.iter().map(|tree| tree.id).collect();
-        all.sort_by_key(|(number, _)| (order.iter().position(|id| *id == number.span.file()), number.span.start()));
+        all.order_by_key(|(number, _)| (order.iter().position(|id| *id == number.span.file()), number.span.start()));
         Numbers { sources, all }
     }
 

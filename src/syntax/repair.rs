@@ -3,6 +3,7 @@
 
 use crate::diagnostic::Diagnostics;
 use crate::diagnostic::catalogue::syntax::{MissingOpenBrace, StrayBrace, TooManyErrors, UnclosedBrace};
+use crate::ordered::Ordered;
 use crate::source::{FileId, Span};
 
 /// One brace of the text.
@@ -66,7 +67,7 @@ pub(super) fn repair_braces(
     }
     mender.end(length);
     // A brace missing at an earlier line may be noticed only later.
-    mender.inserts.sort_by_key(|insert| insert.at);
+    mender.inserts.order_by_key(|insert| insert.at);
     mender.inserts
 }
 

@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
 use crate::ir::{EntityId, Look, Program, Push, TagSet, World, WorldId};
+use crate::ordered::Ordered;
 
 use super::goal::touched;
 
@@ -82,7 +83,7 @@ impl Appearances {
             })
             .map(|(role, tags, tiles, solids)| (role, tags, tiles + solids))
             .collect();
-        kinds.sort_by_key(|(role, _, count)| (Reverse(*role), Reverse(*count)));
+        kinds.order_by_key(|(role, _, count)| (Reverse(*role), Reverse(*count)));
         let players = || world.players.iter().map(|player| player.slot);
         let feared =
             world.nevers.iter().flat_map(|never| players().map(|slot| touched(program, world, never.holds, slot)));

@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use crate::ir::{Bounds, Collider, Extremes, Look, PlayerId, Program, SpaceId, TagSet, World};
+use crate::ordered::Ordered;
 use crate::sim::{Instance, Simulator};
 
 use super::appearance::{Appearance, Appearances, Role, for_players};
@@ -147,7 +148,7 @@ impl<'s> Film<'s> {
         let mut instances: Vec<Instance<'_>> =
             self.sim.instances(state).filter(|instance| instance.space() == camera.space).collect();
         // Players are in front.
-        instances.sort_by_key(|instance| world.slots[instance.slot()].player.is_some());
+        instances.order_by_key(|instance| world.slots[instance.slot()].player.is_some());
         for instance in instances {
             self.instance(place, instance);
         }
@@ -312,7 +313,7 @@ impl<'s> Film<'s> {
             return;
         }
         // Sensors are drawn over bodies.
-        parts.sort_by_key(|(collider, _)| !pushes(world, collider.tags));
+        parts.order_by_key(|(collider, _)| !pushes(world, collider.tags));
         let size = |b: &Bounds| (b.right - b.left) * (b.top - b.bottom);
         let body = parts
             .iter()

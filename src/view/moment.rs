@@ -1,6 +1,7 @@
 //! Moments of a path that need timing: a ring where each is, with how much too early or too late it can be.
 
 use crate::ir::SpaceId;
+use crate::ordered::Ordered;
 
 use super::frame::{Frame, Rect};
 use super::label::Labels;
@@ -29,7 +30,7 @@ pub(super) fn draw(
 ) {
     let here = moments.iter().filter_map(|moment| Some((moment, route.place(frame, id, moment.step)?)));
     let mut here: Vec<(&Moment, [f64; 2])> = here.collect();
-    here.sort_by_key(|(moment, _)| !moment.is_hardest);
+    here.order_by_key(|(moment, _)| !moment.is_hardest);
     for (moment, [x, y]) in &here {
         let class = class(moment.is_hardest);
         put!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"{}\" r=\"{RADIUS}\"/>\n", Number(*x), Number(*y));

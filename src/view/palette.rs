@@ -1,5 +1,7 @@
 //! The colours of animations, and the table of colours that a GIF file has room for.
 
+use crate::ordered::Ordered;
+
 use std::collections::BTreeMap;
 
 use super::canvas::{Canvas, Paint};
@@ -97,7 +99,7 @@ impl Colors {
     /// The table of the most frequent colours.
     pub fn table(self) -> ColorTable {
         let mut colors: Vec<([u8; 3], u64)> = self.0.into_iter().collect();
-        colors.sort_by_key(|(color, count)| (std::cmp::Reverse(*count), *color));
+        colors.order_by_key(|(color, count)| (std::cmp::Reverse(*count), *color));
         let list: Vec<[u8; 3]> = colors.iter().take(MAX_COLORS).map(|(color, _)| *color).collect();
         let near = |color: [u8; 3]| {
             let far =

@@ -1,6 +1,7 @@
 //! The panel of a space, layer by layer: the level, the visits, the tree, the instances, the goal, the path, names.
 
 use crate::ir::{Bounds, Extremes, Origin, Period, Program, SlotId, SpaceId, World, WorldId};
+use crate::ordered::Ordered;
 
 use super::appearance::{Appearances, Role, for_players};
 use super::body::{Body, outline, placed, position, pushes};
@@ -328,7 +329,7 @@ fn things(out: &mut String, context: &PictureContext<'_>, id: SpaceId, frame: &F
         }
     }
     // The names of players get the best places.
-    names.sort_by_key(|(class, ..)| *class != "name strong");
+    names.order_by_key(|(class, ..)| *class != "name strong");
     names.extend(unnamed);
 }
 

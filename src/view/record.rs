@@ -2,6 +2,7 @@
 //! long way is kept at larger and larger distances.
 
 use crate::ir::{Extremes, SlotId, Space, VarId};
+use crate::ordered::Ordered;
 use crate::sim::{Input, Instance, PlayerInput, Simulator};
 
 use super::track::{Mark, Part, Pose, Run, Stop, Track};
@@ -121,7 +122,7 @@ impl<'s> Recorder<'s> {
         }
         let world = self.sim.world();
         self.run.tracks.retain(|track| world.slots[track.slot].player.is_some() || track.stops.len() > 1);
-        marks.sort_by_key(|mark| mark.step);
+        marks.order_by_key(|mark| mark.step);
         Run { marks, ..self.run }
     }
 }

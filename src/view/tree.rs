@@ -5,6 +5,7 @@
 use super::frame::Frame;
 use super::svg::{Number, put};
 use crate::ir::Extremes;
+use crate::ordered::Ordered;
 
 /// The grid of line ends, in the picture.
 const GRID: f64 = 0.5;
@@ -20,7 +21,7 @@ pub(super) fn draw(out: &mut String, frame: &Frame, lines: impl Iterator<Item = 
     loop {
         let end = |segment: &[GridPoint; 2]| segment[1].map(|x| x / cell);
         // The sort is stable: the first line of a cell stays first.
-        segments.sort_by_key(end);
+        segments.order_by_key(end);
         segments.dedup_by_key(|segment| end(segment));
         if segments.len() <= limit.max(1) {
             break;

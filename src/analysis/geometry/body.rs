@@ -2,6 +2,7 @@
 //! positions where pushes end.
 
 use crate::ir::{Bounds, EntityId, Extremes, Meeting, Push, Side, SlotId, TagSet};
+use crate::ordered::Ordered;
 
 use crate::analysis::domain::values::Interval;
 use crate::analysis::geometry::presence::{KeptOut, Presence};
@@ -156,7 +157,7 @@ pub(in crate::analysis) fn edge(extent: Extent, axis: usize, end: usize, sides: 
 
 /// Sorts intervals and merges those that overlap.
 pub(in crate::analysis) fn disjoin(edges: &mut Vec<Interval>) {
-    edges.sort_by(|a, b| a.low.total_cmp(&b.low));
+    edges.order_by(|a, b| a.low.total_cmp(&b.low));
     edges.dedup_by(|next, last| {
         let meets = next.low <= last.high;
         if meets {

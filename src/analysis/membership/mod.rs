@@ -14,6 +14,7 @@ use crate::ir::{
     DiscreteId, Entity, GroupId, Id, IdVec, LeafId, ParamId, Program, SlotId, SpaceId, TimerId, TouchId, VarId, World,
     WorldId,
 };
+use crate::ordered::Ordered;
 
 use super::{ConfigurationSpace, SlotSpace};
 use crate::analysis::domain::configuration::Configuration;
@@ -246,7 +247,7 @@ impl ConfigurationSpace {
             return out;
         }
         let mut order: Vec<&Configuration> = configurations.iter().collect();
-        order.sort_by(|a, b| a.leaves.cmp(&b.leaves));
+        order.order_by(|a, b| a.leaves.cmp(&b.leaves));
         let keys = out.assign_weights(entity);
         for alike in order.chunk_by(|a, b| a.leaves == b.leaves) {
             let first = out.rows.len() as u32;

@@ -6,6 +6,7 @@ use std::ops::Range;
 use ariadne::{Cache, Color, Config, IndexType, Label, Report, ReportKind, Source};
 
 use crate::diagnostic::{Diagnostic, Label as MarkedPlace, Severity};
+use crate::ordered::Ordered;
 use crate::source::{FileId, SourceMap, Span};
 
 /// A span in ariadne's form.
@@ -104,7 +105,7 @@ fn report(sources: &SourceMap, d: &Diagnostic, primary: &MarkedPlace, color: boo
     let mut labels = vec![(primary, primary_color)];
     labels.extend(d.secondary.iter().map(|l| (l, Color::Blue)));
     // Excerpts run down the page: the file of the mistake first, then by line.
-    labels.sort_by_key(|(l, _)| (l.span.file() != primary.span.file(), l.span.file(), l.span.start()));
+    labels.order_by_key(|(l, _)| (l.span.file() != primary.span.file(), l.span.file(), l.span.start()));
     for (label, color) in labels {
         report.add_label(Label::new(clamp(sources, label.span)).with_message(&label.text).with_color(color));
     }

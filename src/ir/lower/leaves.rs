@@ -1,6 +1,7 @@
 //! Resolves leaves: for each, the drive of each variable (the innermost wins), the edges in evaluation order, and the
 //! inputs that active code reads.
 
+use crate::ordered::Ordered;
 use crate::sema::checked::{self, DriveBy};
 
 use super::term::Context;
@@ -77,7 +78,7 @@ pub(super) fn leaves(program: &Program, id: EntityId, e: &checked::Entity, drive
         let all = path.iter().flat_map(|&m| e.modes[m].edges.iter().copied());
         let (mut edges, internal): (Vec<_>, Vec<_>) = all.partition(|&edge| e.edges[edge].target.is_some());
         // Edges whose entire guard is `lost(…)` are tried first.
-        edges.sort_by_key(|&edge| e.edges[edge].lost.is_none());
+        edges.order_by_key(|&edge| e.edges[edge].lost.is_none());
         let follows: Vec<FollowId> = path.iter().flat_map(|&m| follows[m].iter().copied()).collect();
         let mut inputs = always;
         for drive in &own {

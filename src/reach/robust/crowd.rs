@@ -17,6 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::ir::Id;
+use crate::ordered::Ordered;
 use crate::parallel::{self, TaskContext};
 use crate::sim::Control;
 use crate::watch::{Meter, Progress, Watch};
@@ -406,7 +407,7 @@ fn keep(entries: &mut Vec<Entry>, found: Grown) {
 fn thin(archive: &mut BTreeMap<usize, Vec<Entry>>, most: usize) {
     let each = (most / archive.len().max(1) * 3 / 4).max(1);
     for entries in archive.values_mut() {
-        entries.sort_by_key(|entry| usize::MAX - entry.count);
+        entries.order_by_key(|entry| usize::MAX - entry.count);
         entries.truncate(each);
     }
 }

@@ -15,6 +15,7 @@ use rand_pcg::Pcg64;
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::Extremes;
+use crate::ordered::Ordered;
 use crate::parallel::{self, TaskContext};
 use crate::watch::{Meter, Progress, Watch};
 
@@ -175,7 +176,7 @@ impl Improver<'_> {
         if pool.len() == 1 && pool.first().is_some_and(|only| only.timeline.changes.is_empty()) {
             return None;
         }
-        pool.sort_by_key(Candidate::rank);
+        pool.order_by_key(Candidate::rank);
         self.note(pool.first());
         self.gather(&mut pool, first)?;
         self.note(pool.first());
@@ -254,7 +255,7 @@ impl Improver<'_> {
         let mut tried: Vec<Candidate> =
             self.compare(plans, (seed, 3 * FIRST_PLAYS), None)?.into_iter().flatten().collect();
         if !tried.is_empty() {
-            tried.sort_by_key(Candidate::rank);
+            tried.order_by_key(Candidate::rank);
             *pool = tried;
         }
         self.is_easy = false;
@@ -315,7 +316,7 @@ impl Improver<'_> {
         }
         let mut tried: Vec<Candidate> =
             self.compare(timelines, (self.seed, FIRST_PLAYS), None)?.into_iter().flatten().collect();
-        tried.sort_by_key(Candidate::rank);
+        tried.order_by_key(Candidate::rank);
         tried.truncate(FINALISTS);
         let finalists = tried.into_iter().map(|candidate| candidate.timeline).collect();
         Some(self.compare(finalists, (self.seed, PLAYS.0), None)?.into_iter().flatten().collect())

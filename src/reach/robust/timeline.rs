@@ -2,6 +2,7 @@
 //! early or too late.
 
 use crate::ir::{AxisId, ButtonId, PlayerId, World};
+use crate::ordered::Ordered;
 use crate::sim::{Control, Draws, Input, PlayerInput, Script};
 
 use super::super::outcome::Plan;
@@ -76,7 +77,7 @@ impl Timeline {
 
     /// The same plan with other changes, which are put into order. Changes that change nothing are left out.
     pub fn with(&self, mut changes: Vec<Change>, steps: u64) -> Timeline {
-        changes.sort_by_key(|change| change.step);
+        changes.order_by_key(|change| change.step);
         let mut now = self.held.clone();
         let mut kept: Vec<Change> = Vec::with_capacity(changes.len());
         for change in changes {

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::ConfigurationSpace;
+use crate::ordered::Ordered;
 use crate::sim::{Fault, Script};
 use crate::watch::{Meter, Progress, Watch};
 
@@ -238,7 +239,7 @@ impl Search<'_> {
     fn suspects(&self) -> Vec<u32> {
         let leads = self.roadmap.leading_to(|place| place.is_at_goal || place.tried == 0);
         let mut suspects: Vec<u32> = (0..leads.len() as u32).filter(|place| !leads[*place as usize]).collect();
-        suspects.sort_by_key(|place| (self.roadmap.places[*place as usize].steps, *place));
+        suspects.order_by_key(|place| (self.roadmap.places[*place as usize].steps, *place));
         suspects
     }
 
@@ -325,7 +326,7 @@ impl Search<'_> {
         let mut candidates: Vec<Candidate> =
             self.regions(&covered).iter().filter_map(|region| self.candidate(region, &covered)).collect();
         // The largest first, of equally large ones what is reached sooner.
-        candidates.sort_by_key(|candidate| (u64::MAX - candidate.places, candidate.script.len()));
+        candidates.order_by_key(|candidate| (u64::MAX - candidate.places, candidate.script.len()));
         CandidateAnswer {
             candidates,
             rest_places: self.roadmap.places.len() as u64,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::ordered::Ordered;
 use crate::sim::{Input, Script};
 
 use super::super::controls::ControlSets;
@@ -68,7 +69,7 @@ pub(super) fn ways_in(
     let all = groups.len();
     let mut ranked: Vec<Ranked> =
         groups.into_iter().map(|(place, group)| Ranked { place, group, new: 0, behind: 0 }).collect();
-    ranked.sort_by_key(|ranked| ranked.group.steps);
+    ranked.order_by_key(|ranked| ranked.group.steps);
     let mut seen = vec![false; graph.len()];
     for ranked in &mut ranked {
         ranked.new = count_behind(graph, &ranked.group.entered, &mut seen);
@@ -89,7 +90,7 @@ pub(super) fn ways_in(
     for ranked in &mut ranked {
         ranked.behind = count_behind(graph, &ranked.group.entered, &mut vec![false; graph.len()]);
     }
-    ranked.sort_by_key(|ranked| (!ranked.is_apart(), ranked.group.steps, u64::MAX - ranked.behind));
+    ranked.order_by_key(|ranked| (!ranked.is_apart(), ranked.group.steps, u64::MAX - ranked.behind));
     ranked.truncate(limit);
     let ways = ranked.iter().filter_map(|ranked| {
         let way = way_in(problem, (graph, controls), ranked.group.shortest, &places)?;

@@ -4,6 +4,7 @@
 use std::cmp::Ordering;
 
 use crate::ir::{EdgeId, Id, ModeId, SlotId, SpaceId};
+use crate::ordered::Ordered;
 use crate::sim::Script;
 use crate::source::SourceMap;
 use crate::why::{NearlyEdge, Place, nearly, place};
@@ -56,7 +57,7 @@ pub(super) fn closed_rooms(
         }
     });
     let mut closed: Vec<ClosedRoom> = closed.collect();
-    closed.sort_by_key(|room| room.from.is_none());
+    closed.order_by_key(|room| room.from.is_none());
     closed.truncate(MAX_CLOSED);
     closed
 }

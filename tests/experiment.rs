@@ -160,8 +160,8 @@ fn any_programs_goals_can_be_compared_by_all_planners() {
     let goals = text.lines().filter(|l| l.contains(", goal ")).count();
     assert!(goals >= 2 && text.contains("examples/balloon.hyped:Valley, goal over"), "{text}");
     let rows = text.lines().filter(|l| l.starts_with("naive ") || l.starts_with("reduced ")).count();
-    // All fourteen planners, ten of which with and without restarts, with both bounds.
-    assert_eq!(rows % (2 * 24), 0, "{text}");
+    // All fifteen planners, eleven of which with and without restarts, with both bounds.
+    assert_eq!(rows % (2 * 26), 0, "{text}");
     assert!(rows > 0 && !text.contains("the paper") && !text.contains("Test 2"), "{text}");
 }
 

@@ -7,7 +7,7 @@ use crate::ir::{Bounds, Extremes, Id, Push, SlotId, Space, SpaceId, TagSet, Worl
 use crate::ordered::Ordered;
 use crate::sim::Simulator;
 
-use super::distance::body;
+use super::distance::{DistanceField, body};
 use super::problem::Problem;
 
 /// Maximum length of a ledge, px: longer tops are divided.
@@ -55,8 +55,16 @@ pub struct Ledges {
 }
 
 impl Ledges {
-    /// Those of a player; none if there are too many.
-    pub fn new(problem: &Problem<'_>, slot: SlotId) -> Self {
+    /// Those of the player who is led to the goal, or of the first one; `None` if there are none, or too many.
+    pub fn new(problem: &Problem<'_>, distances: Option<&DistanceField>) -> Option<Self> {
+        let is_player = |slot: &SlotId| problem.players().contains(slot);
+        let slot = distances.map(DistanceField::slot).filter(is_player);
+        let ledges = Ledges::of(problem, slot.or(problem.players().first().copied())?);
+        Some(ledges).filter(|ledges| !ledges.all.is_empty())
+    }
+
+    /// Those of a player.
+    fn of(problem: &Problem<'_>, slot: SlotId) -> Self {
         let world = problem.sim.world();
         let mut all = Vec::new();
         for (id, space) in world.spaces.pairs() {
@@ -90,15 +98,15 @@ impl Ledges {
     }
 
     /// One of them.
-    pub fn get(&self, ledge: u32) -> &Ledge {
-        &self.all[ledge as usize]
+    pub fn get(&self, ledge: u32) -> Option<&Ledge> {
+        self.all.get(ledge as usize)
     }
 
     /// Those at most [`NEAR`] away from one.
     pub fn near(&self, ledge: u32) -> Vec<u32> {
-        let from = self.get(ledge);
+        let Some(from) = self.get(ledge) else { return Vec::new() };
         let is_near = |other: &u32| {
-            let other = self.get(*other);
+            let other = &self.all[*other as usize];
             other.space == from.space
                 && (other.y - from.y).abs() <= NEAR
                 && other.inner.0 - from.inner.1 <= NEAR
@@ -216,7 +224,7 @@ impl Gauge {
         }
         let (at, space) = (sim.position(state, self.ledges.slot), sim.space(state, self.ledges.slot));
         for (ledge, miss) in &mut self.watched {
-            let ledge = self.ledges.get(*ledge);
+            let ledge = &self.ledges.all[*ledge as usize];
             if ledge.space == space {
                 *miss = miss.least(ledge.miss(at));
             }

@@ -1,6 +1,8 @@
 //! A complete search: builds searchers from the settings, which `rounds.rs` runs until there is an answer or the budget is
 //! spent.
 
+use std::sync::Arc;
+
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
@@ -13,6 +15,7 @@ use super::controls::{ControlSets, reads_between};
 use super::coverage::mix;
 use super::distance::DistanceField;
 use super::exhaustive::{Change, Exhaustive};
+use super::ledges::Ledges;
 use super::lost::Lost;
 use super::metric::{Measure, Metric};
 use super::monitor::monitored;
@@ -189,11 +192,13 @@ fn search_monitored(
     let uses_distances = settings.planner.uses_distances() || settings.explains || problem.time().is_some();
     let distances = if uses_distances { DistanceField::new(problem, space, &Meter::new(watch)) } else { None };
     let (margins, lost) = (Margins::new(problem), Lost::new(problem, space));
+    let uses_ledges = settings.planner.uses_ledges();
+    let ledges = if uses_ledges { Ledges::new(problem, distances.as_ref()).map(Arc::new) } else { None };
     let build = Builder {
         problem,
         lost: &lost,
         measures: (&metric, &windows),
-        guidance: Guidance { distances: distances.as_ref(), margins: &margins },
+        guidance: Guidance { distances: distances.as_ref(), margins: &margins, ledges: ledges.as_ref() },
         settings,
         limits,
         starts: &starts,
@@ -251,7 +256,7 @@ impl<'a> Builder<'_, 'a> {
                 if self.guidance.distances.is_none_or(|of| is_certain || !self.is_pushed(of)) {
                     add(Planner::DistanceGuided, shares.by_jumps);
                 }
-                if !shares.by_ledges.is_empty() && self.guidance.distances.is_none_or(|of| !self.is_pushed(of)) {
+                if self.guidance.ledges.is_some() && self.guidance.distances.is_none_or(|of| !self.is_pushed(of)) {
                     add(Planner::LedgeGuided, shares.by_ledges);
                 }
                 if places.is_some() {

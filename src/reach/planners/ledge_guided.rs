@@ -14,7 +14,6 @@ use rand::RngExt;
 use crate::reach::distance::DistanceField;
 use crate::reach::ledges::{Gauge, Ledges};
 use crate::reach::metric::Point;
-use crate::reach::problem::Problem;
 use crate::reach::search_context::SearchContext;
 use crate::reach::strategy::{Choice, Growth, Strategy};
 use crate::reach::tree::NodeId;
@@ -113,14 +112,11 @@ pub struct LedgeGuided<'m> {
 }
 
 impl<'m> LedgeGuided<'m> {
-    /// A strategy for a problem, with what leads to its goal.
-    pub fn new(problem: &Problem<'_>, guidance: Guidance<'m>) -> Self {
-        let is_player = |slot: &_| problem.players().contains(slot);
-        let slot = guidance.distances.map(DistanceField::slot).filter(is_player);
-        let slot = slot.or(problem.players().first().copied());
+    /// A strategy with what leads to the goal.
+    pub fn new(guidance: Guidance<'m>) -> Self {
         LedgeGuided {
             distances: guidance.distances,
-            ledges: Arc::new(slot.map_or_else(Ledges::none, |slot| Ledges::new(problem, slot))),
+            ledges: guidance.ledges.cloned().unwrap_or_else(|| Arc::new(Ledges::none())),
             sites: Vec::new(),
             open: Vec::new(),
             inputs: Vec::new(),
@@ -129,19 +125,26 @@ impl<'m> LedgeGuided<'m> {
         }
     }
 
+    /// The number of what stands for all places where there are no ledges at all.
+    fn anywhere(&self) -> Option<u32> {
+        Some(self.ledges.len() as u32).filter(|number| *number == 0)
+    }
+
     /// Opens a ledge to attempts.
     fn open(&mut self, context: &SearchContext<'_>, ledge: u32) {
         let site = &mut self.sites[ledge as usize];
         if site.stands.is_empty() && site.from.is_none() {
-            let (sim, state, at) = (context.problem.sim, context.reached(), self.ledges.get(ledge));
-            site.places = self.distances.map_or(0, |distances| distances.from(sim, state, at.space, at.middle()));
+            if let (Some(distances), Some(at)) = (self.distances, self.ledges.get(ledge)) {
+                site.places = distances.from(context.problem.sim, context.reached(), at.space, at.middle());
+            }
             self.open.push(ledge);
         }
     }
 
     /// Notes the node that was reached last if the player stands on a ledge there.
     fn stand(&mut self, context: &mut SearchContext<'_>, node: NodeId) {
-        let Some(ledge) = self.ledges.under(context.problem.sim, context.reached()) else { return };
+        let under = self.ledges.under(context.problem.sim, context.reached());
+        let Some(ledge) = under.or(self.anywhere()) else { return };
         self.open(context, ledge);
         let site = &mut self.sites[ledge as usize];
         site.elite = None;
@@ -348,7 +351,7 @@ impl Strategy for LedgeGuided<'_> {
         match growth {
             Growth::Rooted(root, _) => {
                 self.sites.clear();
-                self.sites.resize_with(self.ledges.len(), Site::default);
+                self.sites.resize_with(self.ledges.len().max(1), Site::default);
                 self.open.clear();
                 self.attempt = None;
                 self.fruitless = 0;
@@ -381,10 +384,6 @@ impl Strategy for LedgeGuided<'_> {
     /// Motions are tried from where others have not been.
     fn follows(&self) -> bool {
         false
-    }
-
-    fn is_spent(&self) -> bool {
-        self.ledges.len() == 0
     }
 
     fn bytes(&self) -> usize {

@@ -22,7 +22,10 @@ mod rrt;
 mod time_guided;
 mod violation_frequency;
 
+use std::sync::Arc;
+
 use super::distance::DistanceField;
+use super::ledges::Ledges;
 use super::metric::Metric;
 use super::problem::Problem;
 use super::strategy::Strategy;
@@ -83,6 +86,8 @@ pub(super) struct Guidance<'m> {
     pub distances: Option<&'m DistanceField>,
     /// What it asks of numbers.
     pub margins: &'m Margins,
+    /// The ledges of the player, if the planner uses them and there are any.
+    pub ledges: Option<&'m Arc<Ledges>>,
 }
 
 /// The strategy of `auto`, which is led by distances and by coverage.
@@ -191,7 +196,7 @@ const SPECS: [Spec; 15] = [
         uses_distances: true,
         method: Method::Sampling {
             samples: false,
-            strategy: |problem, _, guidance| Box::new(ledge_guided::LedgeGuided::new(problem, guidance)),
+            strategy: |_, _, guidance| Box::new(ledge_guided::LedgeGuided::new(guidance)),
         },
     },
     Spec::exhaustive(Planner::Exhaustive, "exhaustive", false),
@@ -270,6 +275,11 @@ impl Planner {
     /// Whether it uses the distance field of the goal.
     pub(super) fn uses_distances(self) -> bool {
         self.spec().uses_distances
+    }
+
+    /// Whether it uses the ledges of the player.
+    pub(super) fn uses_ledges(self) -> bool {
+        matches!(self, Planner::Auto | Planner::LedgeGuided)
     }
 
     /// How it grows its trees.

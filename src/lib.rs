@@ -17,7 +17,7 @@
 //! | [`parallel`] | tasks on several threads |
 //! | [`tabular`] | tables in plain text and as CSV |
 //! | [`json`] | JSON as text |
-//! | `ordered` | stable sorts of short lists, compiled once |
+//! | [`ordered`] | stable sorts of short lists, compiled once |
 //! | [`diagnostic`] | findings about a program: facts, messages, pages that explain them, renderers |
 //! | [`syntax`] | the grammar's pairs as an abstract syntax tree, with recovery |
 //! | [`format`] | the canonical layout of a text, comments kept |
@@ -71,7 +71,7 @@ pub mod level;
 pub mod lint;
 #[cfg(feature = "language")]
 pub mod lsp;
-mod ordered;
+pub mod ordered;
 pub mod parallel;
 pub mod reach;
 pub mod sema;

@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 
 /// A list that can be put into order.
-pub(crate) trait Ordered<T> {
+pub trait Ordered<T> {
     /// As [`slice::sort_by`].
     fn order_by(&mut self, compare: impl Fn(&T, &T) -> Ordering);
 

@@ -112,9 +112,7 @@ impl DistanceField {
 
     /// The distance in a state: over the subgoals that are still to come about.
     pub fn of(&self, sim: &Simulator, state: &[u8]) -> u32 {
-        let (space, cell) = self.cell(sim, state);
-        let (stage, rest) = self.stage(sim, state);
-        self.stages[stage].of(space, cell).saturating_add(rest)
+        self.from(sim, state, sim.space(state, self.slot), sim.position(state, self.slot))
     }
 
     /// The distance in a state as if the player were elsewhere.
@@ -278,7 +276,12 @@ pub(super) fn flood(
 
 /// Whether something with some tags blocks a body.
 fn blocks(world: &World, mine: TagSet, tags: TagSet) -> bool {
-    world.meeting(mine, tags).is_some_and(|meeting| meeting.response.push == Push::Block)
+    push(world, mine, tags) == Push::Block
+}
+
+/// How something with some tags pushes a body.
+pub(super) fn push(world: &World, mine: TagSet, tags: TagSet) -> Push {
+    world.meeting(mine, tags).map_or(Push::Sense, |meeting| meeting.response.push)
 }
 
 /// The tags of each kind of tiles.

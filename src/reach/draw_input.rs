@@ -65,9 +65,7 @@ impl SearchContext<'_> {
     pub fn draw_continuing(&mut self, node: NodeId) -> Option<Choice> {
         let before = self.tree.before(node)?;
         let held = self.controls.input(self.tree.set(before.node), before.input);
-        let set = self.tree.set(node);
-        let differs = |index: &usize| held.difference(self.controls.input(set, *index));
-        let input = (0..self.controls.count(set)).min_by_key(differs)?;
+        let input = self.most_like(node, held)?;
         if !self.tree.mark_tried(node, input) {
             return self.draw_untried_holding(node);
         }
@@ -80,11 +78,14 @@ impl SearchContext<'_> {
         self.controls.input(self.tree.set(node), input)
     }
 
+    /// The input of a node that is most like another, as far as its modes read that.
+    fn most_like(&self, node: NodeId, wanted: &Input) -> Option<usize> {
+        (0..self.inputs(node)).min_by_key(|input| wanted.difference(self.input(node, *input)))
+    }
+
     /// The input of a node that is most like another, also in what only the modes ahead read.
     pub fn input_like(&self, node: NodeId, wanted: &Input) -> usize {
-        let set = self.tree.set(node);
-        let differs = |index: &usize| wanted.difference(self.controls.input(set, *index));
-        let input = (0..self.controls.count(set)).min_by_key(differs).unwrap_or(0);
+        let (set, input) = (self.tree.set(node), self.most_like(node, wanted).unwrap_or(0));
         match self.controls.combinations_ahead(set) {
             1 => input,
             _ => self.controls.holding_ahead(set, input, self.controls.combination_of(set, wanted)),

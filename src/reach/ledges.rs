@@ -7,7 +7,7 @@ use crate::ir::{Bounds, Extremes, Id, Push, SlotId, Space, SpaceId, TagSet, Worl
 use crate::ordered::Ordered;
 use crate::sim::Simulator;
 
-use super::distance::{DistanceField, body};
+use super::distance::{DistanceField, body, push};
 use super::problem::Problem;
 
 /// Maximum length of a ledge, px: longer tops are divided.
@@ -68,9 +68,7 @@ impl Ledges {
         let world = problem.sim.world();
         let mut all = Vec::new();
         for (id, space) in world.spaces.pairs() {
-            let carries = |mine: TagSet, tags: TagSet| {
-                world.meeting(mine, tags).is_some_and(|meeting| meeting.response.push > Push::Sense)
-            };
+            let carries = |mine: TagSet, tags: TagSet| push(world, mine, tags) > Push::Sense;
             let Some((mine, body)) = body(problem, slot, id, carries) else { continue };
             for solid in space.solids.iter().filter(|solid| carries(mine, solid.tags)) {
                 let Bounds { left, right, top, .. } = solid.bounds;
@@ -105,21 +103,21 @@ impl Ledges {
     /// Those at most [`NEAR`] away from one.
     pub fn near(&self, ledge: u32) -> Vec<u32> {
         let Some(from) = self.get(ledge) else { return Vec::new() };
-        let is_near = |other: &u32| {
-            let other = &self.all[*other as usize];
-            other.space == from.space
-                && (other.y - from.y).abs() <= NEAR
-                && other.inner.0 - from.inner.1 <= NEAR
-                && from.inner.0 - other.inner.1 <= NEAR
-        };
-        (0..self.all.len() as u32).filter(is_near).collect()
+        let low = self.first_from(from.space, from.y - NEAR);
+        let level = self.all[low..].iter().take_while(|other| other.space == from.space && other.y <= from.y + NEAR);
+        let is_near = |other: &Ledge| other.inner.0 - from.inner.1 <= NEAR && from.inner.0 - other.inner.1 <= NEAR;
+        (low as u32..).zip(level).filter(|(_, other)| is_near(other)).map(|(number, _)| number).collect()
+    }
+
+    /// The number of the first ledge of a space from a height on.
+    fn first_from(&self, space: SpaceId, y: f64) -> usize {
+        self.all.partition_point(|ledge| (ledge.space.index(), ledge.y) < (space.index(), y))
     }
 
     /// The ledge on which the player stands.
     pub fn under(&self, sim: &Simulator, state: &[u8]) -> Option<u32> {
         let ((x, y), space) = (sim.position(state, self.slot), sim.space(state, self.slot));
-        let is_before = |ledge: &Ledge| (ledge.space.index(), ledge.y) < (space.index(), y - ROUNDING);
-        let first = self.all.partition_point(is_before);
+        let first = self.first_from(space, y - ROUNDING);
         let here = self.all[first..].iter().take_while(|ledge| ledge.space == space && ledge.y <= y + ROUNDING);
         let touched = here.enumerate().filter(|(_, ledge)| ledge.outer.0 < x && x < ledge.outer.1);
         let away = |ledge: &Ledge| (ledge.inner.0 - x).greatest(x - ledge.inner.1);
@@ -149,7 +147,6 @@ fn pieces(space: SpaceId, (left, right): (f64, f64), top: f64, body: &Bounds) ->
 /// height.
 fn tops(world: &World, space: &Space, mine: TagSet, add: &mut dyn FnMut((f64, f64), f64)) {
     let Some(map) = &space.map else { return };
-    let push = |tags: TagSet| world.meeting(mine, tags).map_or(Push::Sense, |meeting| meeting.response.push);
     let tags: Vec<TagSet> = map.kinds.iter().map(|kind| kind.tags.iter().copied().collect()).collect();
     let pushes: Vec<Push> = map
         .kinds
@@ -157,7 +154,7 @@ fn tops(world: &World, space: &Space, mine: TagSet, add: &mut dyn FnMut((f64, f6
         .zip(&tags)
         .map(|(kind, tags)| match kind.slope {
             Some(_) => Push::Sense,
-            None => push(*tags),
+            None => push(world, mine, *tags),
         })
         .collect();
     let kind = |column: usize, row: usize| map.kind(column as i64, row as i64);

@@ -268,11 +268,9 @@ impl<'m> LedgeGuided<'m> {
             }
             // The next change comes earlier or later, and the one after it when it came before.
             3..7 if at + 1 < last => {
-                let holds = [motion.legs[at].hold, motion.legs[at + 1].hold];
-                let [one, next] = if is_longer { holds } else { [holds[1], holds[0]] };
-                let [one, next] = [longer(one), shorter(next)];
-                let holds = if is_longer { [one, next] } else { [next, one] };
-                (motion.legs[at].hold, motion.legs[at + 1].hold) = (holds[0], holds[1]);
+                let (one, next) = (motion.legs[at].hold, motion.legs[at + 1].hold);
+                (motion.legs[at].hold, motion.legs[at + 1].hold) =
+                    if is_longer { (longer(one), shorter(next)) } else { (shorter(one), longer(next)) };
             }
             7.. if last > 0 => {
                 let hold = &mut motion.legs[at].hold;

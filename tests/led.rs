@@ -364,6 +364,14 @@ fn a_jump_that_few_inputs_make_is_found_by_its_misses() {
 }
 
 #[test]
+fn who_begins_in_the_air_is_led_to_the_first_ledge() {
+    let program = program(compile_text(&PILLAR.replace("Pit at (62, 16)", "Pit at (62, 40)")));
+    for planner in [Planner::LedgeGuided, Planner::Auto] {
+        assert!(find(&program, "over", (1, 20_000), planner).is_some(), "{planner:?}");
+    }
+}
+
+#[test]
 fn without_ledges_the_search_by_ledges_goes_on_from_anywhere() {
     let program = program(compile_text(
         "entity Ship {

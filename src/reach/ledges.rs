@@ -100,9 +100,14 @@ impl Ledges {
         self.all.get(ledge as usize)
     }
 
+    /// Where the player is, as a ledge that is a point.
+    pub fn here(&self, sim: &Simulator, state: &[u8]) -> Ledge {
+        let (x, y) = sim.position(state, self.slot);
+        Ledge { space: sim.space(state, self.slot), y, outer: (x, x), inner: (x, x) }
+    }
+
     /// Those at most [`NEAR`] away from one.
-    pub fn near(&self, ledge: u32) -> Vec<u32> {
-        let Some(from) = self.get(ledge) else { return Vec::new() };
+    pub fn near(&self, from: &Ledge) -> Vec<u32> {
         let low = self.first_from(from.space, from.y - NEAR);
         let level = self.all[low..].iter().take_while(|other| other.space == from.space && other.y <= from.y + NEAR);
         let is_near = |other: &Ledge| other.inner.0 - from.inner.1 <= NEAR && from.inner.0 - other.inner.1 <= NEAR;

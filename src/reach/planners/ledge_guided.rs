@@ -81,7 +81,8 @@ struct Site {
     tried: u32,
     /// The distance from it to the goal, places.
     places: u32,
-    near: Option<Arc<[u32]>>,
+    /// The ledges near it.
+    near: Arc<[u32]>,
 }
 
 /// A motion that is tried.
@@ -125,26 +126,30 @@ impl<'m> LedgeGuided<'m> {
         }
     }
 
-    /// The number of what stands for all places where there are no ledges at all.
-    fn anywhere(&self) -> Option<u32> {
-        Some(self.ledges.len() as u32).filter(|number| *number == 0)
+    /// The number of the site that is no ledge: where the search begins in the air, and every place if there are no ledges.
+    fn elsewhere(&self) -> u32 {
+        self.ledges.len() as u32
     }
 
     /// Opens a ledge to attempts.
     fn open(&mut self, context: &SearchContext<'_>, ledge: u32) {
+        let (sim, state) = (context.problem.sim, context.reached());
+        let at = self.ledges.get(ledge).copied().unwrap_or_else(|| self.ledges.here(sim, state));
         let site = &mut self.sites[ledge as usize];
         if site.stands.is_empty() && site.from.is_none() {
-            if let (Some(distances), Some(at)) = (self.distances, self.ledges.get(ledge)) {
-                site.places = distances.from(context.problem.sim, context.reached(), at.space, at.middle());
+            if let Some(distances) = self.distances {
+                site.places = distances.from(sim, state, at.space, at.middle());
             }
+            site.near = self.ledges.near(&at).into();
             self.open.push(ledge);
         }
     }
 
-    /// Notes the node that was reached last if the player stands on a ledge there.
+    /// Notes the node that was reached last, as one on a ledge.
     fn stand(&mut self, context: &mut SearchContext<'_>, node: NodeId) {
         let under = self.ledges.under(context.problem.sim, context.reached());
-        let Some(ledge) = under.or(self.anywhere()) else { return };
+        let is_begin = self.open.is_empty() || self.ledges.len() == 0;
+        let Some(ledge) = under.or_else(|| is_begin.then(|| self.elsewhere())) else { return };
         self.open(context, ledge);
         let site = &mut self.sites[ledge as usize];
         site.elite = None;
@@ -223,8 +228,7 @@ impl<'m> LedgeGuided<'m> {
 
     /// Watches the ledges near one on which the player has not stood.
     fn watch(&mut self, context: &mut SearchContext<'_>, ledge: u32) {
-        let ledges = &self.ledges;
-        let near = self.sites[ledge as usize].near.get_or_insert_with(|| ledges.near(ledge).into()).clone();
+        let near = self.sites[ledge as usize].near.clone();
         if let Some(gauge) = &mut context.gauge {
             gauge.watch(near.iter().copied().filter(|other| self.sites[*other as usize].stands.is_empty()));
         }
@@ -349,7 +353,7 @@ impl Strategy for LedgeGuided<'_> {
         match growth {
             Growth::Rooted(root, _) => {
                 self.sites.clear();
-                self.sites.resize_with(self.ledges.len().max(1), Site::default);
+                self.sites.resize_with(self.ledges.len() + 1, Site::default);
                 self.open.clear();
                 self.attempt = None;
                 self.fruitless = 0;

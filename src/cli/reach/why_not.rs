@@ -44,7 +44,7 @@ pub(super) fn why_not_text(
     }
     let closed = closed(why, is_verbose);
     if !closed.is_empty() {
-        line("never", &closed.join("; "));
+        line("unseen", &closed.join("; "));
     }
     let hints = hints(answer, query);
     if !hints.is_empty() {
@@ -86,7 +86,7 @@ fn alone(why: &WhyNot, has_rooms: bool, is_verbose: bool) -> Vec<String> {
     all
 }
 
-/// The rooms and modes that were never entered.
+/// The rooms and modes that the search never entered.
 fn closed(why: &WhyNot, is_verbose: bool) -> Vec<String> {
     let room = |closed: &ClosedRoom| {
         let barred = match (&closed.place, &closed.guard) {

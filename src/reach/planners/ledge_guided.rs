@@ -134,9 +134,9 @@ impl<'m> LedgeGuided<'m> {
     /// Opens a ledge to attempts.
     fn open(&mut self, context: &SearchContext<'_>, ledge: u32) {
         let (sim, state) = (context.problem.sim, context.reached());
-        let at = self.ledges.get(ledge).copied().unwrap_or_else(|| self.ledges.here(sim, state));
         let site = &mut self.sites[ledge as usize];
         if site.stands.is_empty() && site.from.is_none() {
+            let at = self.ledges.get(ledge).copied().unwrap_or_else(|| self.ledges.here(sim, state));
             if let Some(distances) = self.distances {
                 site.places = distances.from(sim, state, at.space, at.middle());
             }

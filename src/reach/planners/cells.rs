@@ -3,6 +3,7 @@
 
 use hashbrown::HashTable;
 use rand::RngExt;
+use smallvec::SmallVec;
 
 use crate::reach::search_context::SearchContext;
 use crate::reach::tree::NodeId;
@@ -12,10 +13,13 @@ const CANDIDATES: usize = 3;
 /// No cell, or no index.
 const NONE: u32 = u32::MAX;
 
+/// Nodes or cells; most have few, which take no memory elsewhere.
+type Inside = SmallVec<[u32; 4]>;
+
 /// A cell of a level; cells of the last level hold nodes, others hold cells of the next level.
 #[derive(Debug, Clone, Default)]
 struct Cell {
-    inside: Vec<u32>,
+    inside: Inside,
     parent: u32,
     /// Its index in its parent.
     place: u32,
@@ -33,7 +37,7 @@ pub(super) struct Cells {
     /// Cells by their keys.
     known: HashTable<u32>,
     /// The cells of the first level that hold open nodes.
-    first: Vec<u32>,
+    first: Inside,
     /// For each node, its cell and its index in it.
     locations: Vec<(u32, u32)>,
 }
@@ -72,7 +76,7 @@ impl Cells {
         self.cells[cell as usize].chosen += 1;
     }
 
-    fn inside_mut(&mut self, cell: u32) -> &mut Vec<u32> {
+    fn inside_mut(&mut self, cell: u32) -> &mut Inside {
         match cell {
             NONE => &mut self.first,
             cell => &mut self.cells[cell as usize].inside,
@@ -165,6 +169,6 @@ impl Cells {
     /// Memory use, bytes.
     pub fn bytes(&self) -> usize {
         let cells = self.cells.capacity() * (size_of::<Cell>() + size_of::<u32>());
-        cells + self.known.capacity() * 5 + self.locations.capacity() * 12
+        cells + self.known.capacity() * 5 + self.locations.capacity() * size_of::<(u32, u32)>()
     }
 }

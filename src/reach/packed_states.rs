@@ -259,34 +259,83 @@ fn changed_words(a: &[u8], b: &[u8]) -> usize {
     words(a).zip(words(b)).filter(|(a, b)| a != b).count()
 }
 
-/// The differences of a state from another: for each word that differs, the number of equal words before it, which of its
-/// bytes differ (the number of those from the first to the last, plus 16 times that of those before), and those. No byte
-/// after equal words is for those alone; 0 words and no byte end it.
+/// Which bytes of a word are kept: the number of those before, and of those. What differs takes the shortest with all of it.
+/// In numbers with fractions the high bytes differ most, in others the low ones.
+const SHAPES: [(usize, usize); 16] = [
+    (0, 0),
+    (7, 1),
+    (6, 1),
+    (6, 2),
+    (5, 1),
+    (5, 2),
+    (5, 3),
+    (4, 1),
+    (4, 4),
+    (3, 1),
+    (2, 1),
+    (2, 6),
+    (0, 1),
+    (0, 4),
+    (0, 7),
+    (0, 8),
+];
+/// The shape for what differs, by the number of equal bytes before and after it.
+const SHAPE_OF: [[u8; WORD]; WORD] = shape_of();
+
+const fn shape_of() -> [[u8; WORD]; WORD] {
+    let mut out = [[SHAPES.len() as u8 - 1; WORD]; WORD];
+    let mut at = 0;
+    while at < WORD * WORD {
+        let (before, after) = (at / WORD, at % WORD);
+        let mut shape = 1;
+        while shape < SHAPES.len() {
+            let ((begin, length), (_, least)) = (SHAPES[shape], SHAPES[out[before][after] as usize]);
+            if begin <= before && begin + length + after >= WORD && length < least {
+                out[before][after] = shape as u8;
+            }
+            shape += 1;
+        }
+        at += 1;
+    }
+    out
+}
+
+/// The number of equal words from which on their number needs a byte more, and the greatest one.
+const MANY: usize = 15;
+const MOST: usize = MANY + u8::MAX as usize;
+
+/// The differences of a state from another: for each word that differs, its shape and 16 times the number of equal words
+/// before it, if there are [`MANY`] how many more, and the bytes. No bytes follow where more words are equal; 0 ends it.
 fn differ(from: &[u8], state: &[u8], out: &mut Vec<u8>) {
     let mut equal = 0;
     for (a, b) in words(from).zip(words(state)) {
         if a == b {
             equal += 1;
-            if equal == 255 {
-                out.extend([255, 0]);
-                equal = 0;
-            }
             continue;
         }
-        let (before, after) = ((a ^ b).trailing_zeros() as usize / 8, (a ^ b).leading_zeros() as usize / 8);
-        out.extend([equal as u8, (WORD - before - after + 16 * before) as u8]);
-        out.extend(&b.to_le_bytes()[before..WORD - after]);
+        while equal > MOST {
+            out.extend([16 * MANY as u8, u8::MAX]);
+            equal -= MOST;
+        }
+        let [before, after] = [(a ^ b).trailing_zeros() as usize / 8, (a ^ b).leading_zeros() as usize / 8];
+        let shape = SHAPE_OF[before][after];
+        out.push(16 * equal.min(MANY) as u8 + shape);
+        if equal >= MANY {
+            out.push((equal - MANY) as u8);
+        }
+        let (before, length) = SHAPES[usize::from(shape)];
+        out.extend(&b.to_le_bytes()[before..before + length]);
         equal = 0;
     }
-    out.extend([0, 0]);
+    out.push(0);
 }
 
-/// One word that differs, or the end of equal ones.
+/// One word that differs, or equal ones.
 #[derive(Debug, Clone, Copy, Default)]
 struct Difference {
     /// Number of equal words before it.
     equal: usize,
-    /// Its bits that may differ, none at the end of equal words; and what they are.
+    /// Its bits that may differ, none if there are only equal words; and what they are.
     mask: u64,
     bits: u64,
 }
@@ -295,11 +344,17 @@ impl Difference {
     /// The first of what [`differ`] has written, up to its end.
     #[inline(always)]
     fn take(left: &mut &[u8]) -> Option<Self> {
-        let ([equal, shape], rest) = left.split_first_chunk()?;
-        let (length, before) = (usize::from(shape % 16), 8 * (shape / 16));
-        if *equal == 0 && length == 0 {
+        let (header, mut rest) = left.split_first()?;
+        if *header == 0 {
             return None;
         }
+        let mut equal = usize::from(header / 16);
+        if equal == MANY {
+            let (more, after) = rest.split_first()?;
+            equal += usize::from(*more);
+            rest = after;
+        }
+        let (before, length) = SHAPES[usize::from(header % 16)];
         // Behind the bytes are others, except at the end of a chunk.
         let bytes = rest.first_chunk().copied().unwrap_or_else(|| {
             let mut bytes = [0; WORD];
@@ -309,7 +364,7 @@ impl Difference {
         *left = &rest[length..];
         let mask = u64::MAX.checked_shr(64 - 8 * length as u32).unwrap_or(0);
         let bits = u64::from_le_bytes(bytes) & mask;
-        Some(Difference { equal: usize::from(*equal), mask: mask << before, bits: bits << before })
+        Some(Difference { equal, mask: mask << (8 * before), bits: bits << (8 * before) })
     }
 
     #[inline(always)]
@@ -432,9 +487,9 @@ mod tests {
 
     #[test]
     fn equal_words_of_any_number_are_skipped() {
-        for size in [2_000, 2_040, 2_048, 2_056, 8_192] {
+        for size in [120, 128, 2_000, 2_160, 2_168, 2_176, 8_192] {
             let whole = vec![7; size];
-            for at in [0, 8, size / 2, size - 1] {
+            for at in [0, 9, size / 2, size - 1] {
                 let mut state = whole.clone();
                 state[at] = 9;
                 let mut differences = Vec::new();

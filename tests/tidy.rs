@@ -78,6 +78,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "source",
             "watch",
             "json",
+            "ordered",
             "diagnostic",
             "syntax",
             "format",

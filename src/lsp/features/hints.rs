@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::ir::{EntityId, Id, IdVec, ModeId, ParamId, Place, VarId};
+use crate::ordered::Ordered;
 use crate::reach::query::Kind;
 use crate::sema::checked::{Action, Checked, DriveBy, Edge, Entity, Term, TermKind};
 use crate::sema::{ConstantContext, evaluate};
@@ -50,7 +51,7 @@ pub(in crate::lsp) fn inlay_hints(
     for (id, entity) in snapshot.ide.checked.entities.pairs() {
         hints.entity(&snapshot.ide.checked, id, entity);
     }
-    hints.found.sort();
+    hints.found.order_by(Ord::cmp);
     hints.found.dedup();
     hints.found.retain(|hint| start <= hint.byte && hint.byte <= end);
     Some((snapshot.text(file), hints.found))

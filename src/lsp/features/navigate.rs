@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::ordered::Ordered;
 use crate::source::{FileId, Span, normalize};
 use crate::syntax::ast;
 use crate::syntax::ast::{Item, MapSource, Name};
@@ -95,7 +96,7 @@ pub(super) fn all_occurrences<'v>(view: &'v View, keys: &BTreeSet<SymbolKey>) ->
             }
         }
     }
-    out.sort_by(|(a, x), (b, y)| (a.path(x.at.file()), x.at.start()).cmp(&(b.path(y.at.file()), y.at.start())));
+    out.order_by(|(a, x), (b, y)| (a.path(x.at.file()), x.at.start()).cmp(&(b.path(y.at.file()), y.at.start())));
     out
 }
 

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use crate::ordered::Ordered;
 use crate::source::{FileId, Span};
 use crate::syntax::ast::{Domain, Edge, Item, Kinds, MapSource, Member, SpaceItem, Tile, TileSpawn, Update, WorldItem};
 use crate::syntax::occurrence::NameKind;
@@ -72,7 +73,7 @@ pub(in crate::lsp) fn selection_ranges(text: &Text, bytes: &[usize]) -> Vec<Vec<
     let around = |byte: &usize| {
         let mut around: Vec<(usize, usize)> =
             spans.iter().copied().filter(|(start, end)| start <= byte && byte <= end).collect();
-        around.sort_by_key(|(start, end)| (std::cmp::Reverse(end - start), *start));
+        around.order_by_key(|(start, end)| (std::cmp::Reverse(end - start), *start));
         around.dedup();
         let mut out: Vec<Range<usize>> = Vec::new();
         for (start, end) in around {
@@ -151,7 +152,7 @@ pub(in crate::lsp) fn folding_ranges(text: &Text) -> Vec<Fold> {
         let ended = run.filter(|(first, last)| first < last);
         out.extend(ended.map(|(first, last)| fold(first, last, kind)));
     }
-    out.sort_by_key(|f| (f.first_line, f.last_line));
+    out.order_by_key(|f| (f.first_line, f.last_line));
     out
 }
 

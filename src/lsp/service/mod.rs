@@ -23,6 +23,7 @@ use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::document_text::Text;
 use crate::lsp::values::Ranges;
 use crate::lsp::view::{ProgramState, View};
+use crate::ordered::Ordered;
 use crate::source::{FileId, Span, normalize};
 use crate::syntax::keywords;
 use crate::watch::Unwatched;
@@ -168,7 +169,7 @@ impl Service {
                 }
             }
         }
-        all.sort_by(|a, b| (&a.path, a.from).cmp(&(&b.path, b.from)));
+        all.order_by(|a, b| (&a.path, a.from).cmp(&(&b.path, b.from)));
         all
     }
 

@@ -12,6 +12,7 @@ use crate::level::{Format, level_names};
 use crate::lsp::Workspace;
 use crate::lsp::documents::OpenDocuments;
 use crate::lsp::snapshot::Snapshot;
+use crate::ordered::Ordered;
 use crate::watch::Watch;
 
 /// Maximum number of levels that are tried.
@@ -97,6 +98,6 @@ pub(in crate::lsp) fn candidates(
         found.push(Candidate { name: name_beside(root, &map), map, misfit });
     }
     // The order of names is kept.
-    found.sort_by_key(|candidate| candidate.misfit.is_some());
+    found.order_by_key(|candidate| candidate.misfit.is_some());
     Some(found)
 }

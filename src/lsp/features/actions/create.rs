@@ -9,6 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, similar};
 use crate::lsp::snapshot::Snapshot;
 use crate::lsp::text::lexer::words;
 use crate::lsp::view::View;
+use crate::ordered::Ordered;
 use crate::syntax::Rule;
 use crate::syntax::occurrence::{NameKind, Role};
 
@@ -198,7 +199,7 @@ impl Creation<'_> {
         };
         let entities = &self.snapshot.ide.checked.entities;
         let mut names: Vec<&str> = entities.iter().map(|e| &*e.name.text).collect();
-        names.sort_by_key(|entity| !entity.eq_ignore_ascii_case(name));
+        names.order_by_key(|entity| !entity.eq_ignore_ascii_case(name));
         if names.first().is_some_and(|first| first.eq_ignore_ascii_case(name)) {
             names.truncate(1);
         }

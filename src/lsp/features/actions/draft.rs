@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::format::format;
 use crate::ir;
+use crate::ordered::Ordered;
 use crate::source::FileId;
 
 use crate::lsp::documents::{Document, OpenDocuments};
@@ -42,7 +43,7 @@ impl Draft {
         let mut texts = BTreeMap::new();
         for (path, edits) in &mut self.edits {
             let text = snapshot.text(snapshot.file(path)?);
-            edits.sort_by_key(|(at, _)| (at.start, at.end));
+            edits.order_by_key(|(at, _)| (at.start, at.end));
             let code = text.code();
             let (mut new, mut done) = (String::with_capacity(code.len()), 0);
             for (at, put) in edits {
@@ -125,7 +126,7 @@ impl Drafted {
                             None => parts.push(line.to_string()),
                         }
                     }
-                    parts.sort();
+                    parts.order_by(Ord::cmp);
                     parts
                 };
                 let same = old.program.as_ref().zip(new.program.as_ref()).is_some_and(|(a, b)| parts(a) == parts(b));

@@ -10,6 +10,7 @@ mod weights;
 
 use std::collections::BTreeSet;
 
+use crate::ordered::Ordered;
 use crate::sema::checked::Entity;
 
 use super::completion_items::{CompletionCollector, CompletionItem, CompletionKind};
@@ -42,7 +43,7 @@ pub(super) fn ordered(
         None => {
             let order = UsualOrder::new(of, cursor);
             let mut keyed: Vec<_> = items.into_iter().map(|item| (order.key(&item), item)).collect();
-            keyed.sort();
+            keyed.order_by(Ord::cmp);
             (keyed.into_iter().map(|(_, item)| item).collect::<Vec<_>>(), true)
         }
     };
@@ -68,7 +69,7 @@ fn by_evidence(text: &str, dimensions: &Dimensions<'_>, items: Vec<CompletionIte
         features(&evidence, dimensions, &item, &mut |name, value| score += weights::weight(name) * value);
         scored.push((item.is_import(), is_twin, score, place, item));
     }
-    scored.sort_by(|a, b| {
+    scored.order_by(|a, b| {
         (a.0, a.1).cmp(&(b.0, b.1)).then(b.2.total_cmp(&a.2)).then(a.4.rank.cmp(&b.4.rank)).then(a.3.cmp(&b.3))
     });
     let scores: Vec<f32> = scored.iter().filter(|of| !of.0 && !of.1).map(|of| of.2).collect();

@@ -8,6 +8,7 @@ mod actions;
 mod arena;
 mod arithmetic;
 mod breakable;
+mod colliders;
 mod expressions;
 mod ids;
 mod inputs;
@@ -36,6 +37,7 @@ pub use actions::{Actions, RefUpdate, RefValue, Send, Signal, Spawn, Sum, Update
 pub use arena::Arena;
 pub use arithmetic::{Extremes, arithmetic, call, compare};
 pub use breakable::{Breakable, BreakableKind, BreakableTiles};
+pub use colliders::{Collider, Shape, TagSet, Touch};
 pub use ids::{
     AxisId, ButtonId, ChanceId, ColliderId, DiscreteId, EdgeId, EntityId, EnvelopeId, ExprId, FollowId, GoalId,
     GroupId, Id, IdRange, IdVec, LeafId, ModeId, NeverId, ParamId, PlayerId, ProbeId, RefId, SendId, SignalId, SlotId,
@@ -50,8 +52,8 @@ pub use lower::lower;
 pub use operators::{Arithmetic, Bounce, CompareOp, Function, Origin, Place, Press, Push, Response, Side, Subject};
 pub use period::Period;
 pub use program::{
-    By, Choice, Clamp, Collider, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Leaf, Mode,
-    Param, Program, Reference, Release, Shape, TagSet, Timer, Touch,
+    By, Choice, Clamp, Discrete, Domain, Drive, Edge, Entity, Envelope, Expr, Follow, Group, Leaf, Mode, Param,
+    Program, Reference, Release, Timer,
 };
 pub use rare::RareVec;
 pub use slope::{Misfit, Slope};

@@ -15,6 +15,9 @@
 //! changes, so that a range becomes the next one. What falls at one velocity is told apart by rows alone: of two at a place
 //! the higher one gets further.
 
+mod course;
+mod parts;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -30,66 +33,21 @@ use crate::analysis::geometry::surroundings::Surroundings;
 use crate::analysis::step::Stepper;
 use crate::analysis::step::evaluate::Reader;
 
-/// Maximum number of configurations of a course that are told apart by place.
-const MAX_PARTS: usize = 256;
-/// Maximum number of steps of a fall, and of those after which a change of modes is told by its step.
+use course::{Course, Phase, beginning, pushed, single};
+use parts::{NOWHERE, Part, joined, overlay, placed};
+
+/// Maximum number of steps of a fall.
 const MAX_AGE: u32 = 1 << 12;
-const MAX_TURNS: u32 = 64;
 /// Maximum number of cells of the spaces of a world.
 const MAX_CELLS: usize = 1 << 18;
 
-/// What is not joined: the modes, the pushes along y, and the phase of the fall.
-type Course = (Arc<[LeafId]>, Option<[bool; 2]>, Phase);
-
-/// How far a fall has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Phase {
-    /// Where it began, and the number of steps since.
-    Since(Beginning, u32),
-    /// Its modes have changed once since, from one height at one velocity, and it still rises: where it began, after how
-    /// many steps they changed, and the number of steps since.
-    Turned(Beginning, u32, u32),
-    /// Its modes have changed since, at any time, and it falls, or it began at many heights: it is told by its row and its
-    /// range of velocities.
-    Within(i64, i64),
-    /// It goes on at the same velocity (its bits), and is in a row: how long it has lasted does not matter any more.
-    Steady(i64, u64),
-}
-
-/// Falls that begin this near to each other are not told apart, px.
-const ROW: f64 = 8.0;
-
-/// Maximum size of the heights from which falls begin whose steps are counted, px.
-const EXACT: f64 = 1.0;
-/// Minimum size of a range of velocities, px/s.
-const SLOW: f64 = 4.0;
-/// Maximum number of pieces into which an interval is cut, and how near to a multiple is at it, as a share of the size.
-const MAX_PIECES: i64 = 64;
-const CLOSE: f64 = 1e-6;
-
 /// After how many steps along a run it is widened to all of it.
 const PATIENCE: u32 = 16;
-
-/// In place of the positions that a part has along x.
-const NOWHERE: Interval = Interval::point(0.0);
 
 /// How far below everything falls are still followed, px.
 const BELOW: f64 = 256.0;
 /// To what the heights are widened at which a fall begins, px.
 const STEP: f64 = 4.0;
-
-/// Where falls begin that are not told apart: the row, and whether they rise or fall there.
-type Beginning = (i64, [bool; 2]);
-
-/// A configuration at some places of a course.
-#[derive(Debug)]
-struct Part {
-    x: Interval,
-    /// At no place along x: the parts share what else is the same.
-    at: Configuration,
-    /// Whether it is still to be stepped.
-    is_due: bool,
-}
 
 /// The courses that were found.
 struct Flights<'a> {
@@ -261,33 +219,11 @@ impl Flights<'_> {
     /// Adds the successors of a configuration of a course.
     fn step(&mut self, (course, number): (&Course, usize), at: Configuration) -> Option<()> {
         let outcome = self.stepper.run(&at)?;
-        let (step, is_player) = (self.stepper.step, self.is_player);
         let after = |mut next: Configuration| -> Vec<(Course, Configuration)> {
             let (Some(y), Some(first)) = (next.vars[VarId::Y][0].hull(), beginning(&next)) else { return Vec::new() };
             let y = self.grid(&next).map_or(y, |grid| grid.snapped(1, y));
             next.set(VarId::Y, 0, Values::from(y));
-            let is_undisturbed = next.trace.is_some_and(|trace| !trace.is_disturbed);
-            let stays = is_undisturbed && stays(&at, &next);
-            // Where it was pushed to is one of few heights, and so is where it begins to fall from there.
-            let is_pushed = course.1 != Some([false; 2]) || pushed(&next) != Some([false; 2]);
-            let is_exact = is_pushed && y.high - y.low <= EXACT;
-            let steady = steady(&at, &next);
-            let phase = match course.2 {
-                // What stays at its height does not grow older.
-                Phase::Since(first, age) if stays => Phase::Since(first, age),
-                _ if stays || !is_undisturbed && is_exact => Phase::Since(first, 0),
-                _ if !is_undisturbed => return in_rows(&next, y, step, None),
-                _ if steady.is_some() => return in_rows(&next, y, step, steady),
-                Phase::Since(first, age) if next.leaves == at.leaves => Phase::Since(first, age + 1),
-                Phase::Turned(first, turn, age) if next.leaves == at.leaves && rises(&next) => {
-                    Phase::Turned(first, turn, age + 1)
-                }
-                Phase::Since(first, age) if is_player && is_thin(&next) && age < MAX_TURNS => {
-                    Phase::Turned(first, age, 0)
-                }
-                _ => return in_rows(&next, y, step, None),
-            };
-            vec![((next.leaves.clone(), pushed(&next), phase), next)]
+            course::after((course, &at), (next, y, first), (self.stepper.step, self.is_player))
         };
         let all = outcome.next.into_iter().flat_map(single).flat_map(after);
         // In a row, what falls stays in its course, too.
@@ -413,187 +349,4 @@ impl Flights<'_> {
         })
         .collect()
     }
-}
-
-/// The parts of which each place, height and velocity is one interval.
-fn single(at: Configuration) -> Vec<Configuration> {
-    let mut out = vec![at];
-    for (var, degree) in [(VarId::X, 0), (VarId::Y, 0), (VarId::Y, 1), (VarId::Y, 2)] {
-        if out.iter().any(|at| at.vars[var][degree].intervals().len() > 1) {
-            let parts = |at: Configuration| {
-                let all = at.vars[var][degree].intervals().to_vec().into_iter();
-                all.map(move |one| {
-                    let mut at = at.clone();
-                    at.set(var, degree, Values::from(one));
-                    at
-                })
-            };
-            out = out.into_iter().flat_map(parts).collect();
-        }
-    }
-    out
-}
-
-/// Whether a configuration is at one height and has one velocity along y, up to rounding.
-fn is_thin(at: &Configuration) -> bool {
-    let is = |degree: usize| at.vars[VarId::Y][degree].hull().is_some_and(|hull| hull.high - hull.low <= EXACT);
-    is(0) && is(1)
-}
-
-/// Whether a configuration may still rise.
-fn rises(at: &Configuration) -> bool {
-    at.vars[VarId::Y][1].hull().is_some_and(|hull| hull.high >= 0.0)
-}
-
-/// Whether a configuration neither rises nor falls on the way to the next.
-fn stays(at: &Configuration, next: &Configuration) -> bool {
-    let is_still = |at: &Configuration| at.vars[VarId::Y][1].constant() == Some(0.0);
-    let [y, later] = [&at.vars[VarId::Y][0], &next.vars[VarId::Y][0]];
-    later == y && at.vars[VarId::Y][1] == next.vars[VarId::Y][1] || is_still(at) && is_still(next) && later.is_within(y)
-}
-
-/// The velocity along y at which a configuration goes on, if it is the same in the next.
-fn steady(at: &Configuration, next: &Configuration) -> Option<f64> {
-    let velocity = next.vars[VarId::Y][1].constant()?;
-    (at.vars[VarId::Y][1].constant() == Some(velocity)).then_some(velocity)
-}
-
-/// A configuration, cut into rows; and into ranges of velocities, if it does not go on at one.
-fn in_rows(at: &Configuration, y: Interval, step: f64, steady: Option<f64>) -> Vec<(Course, Configuration)> {
-    let Some(velocity) = at.vars[VarId::Y][1].hull() else { return Vec::new() };
-    // What a step changes: a range becomes the next one.
-    let acceleration = at.vars[VarId::Y][2].constant().map_or(0.0, f64::abs);
-    let change = (acceleration * step).greatest(SLOW);
-    let velocities = match steady {
-        Some(_) => vec![(0, velocity)],
-        None => cut(velocity, change),
-    };
-    let mut out = Vec::new();
-    for (row, y) in cut(y, ROW) {
-        for (range, velocity) in &velocities {
-            let mut at = at.clone();
-            at.set(VarId::Y, 0, Values::from(y));
-            at.set(VarId::Y, 1, Values::from(*velocity));
-            let phase = steady.map_or(Phase::Within(row, *range), |velocity| Phase::Steady(row, velocity.to_bits()));
-            out.push(((at.leaves.clone(), pushed(&at), phase), at));
-        }
-    }
-    out
-}
-
-/// An interval cut at all multiples of a size, with the number of each piece; whole if there would be too many. What
-/// crosses a multiple by rounding only is not cut there.
-fn cut(all: Interval, size: f64) -> Vec<(i64, Interval)> {
-    // The casts saturate.
-    let (first, last) = ((all.low / size + CLOSE).floor() as i64, (all.high / size - CLOSE).floor() as i64);
-    let pieces = last.saturating_sub(first);
-    if !(1..MAX_PIECES).contains(&pieces) {
-        return vec![(first, all)];
-    }
-    let piece = |number: i64| {
-        let low = if number == first { all.low } else { number as f64 * size };
-        let high = if number == last { all.high } else { (number + 1) as f64 * size };
-        (number, Interval { low, high })
-    };
-    (first..=last).map(piece).collect()
-}
-
-/// The pushes along y of the last step, if they are known.
-fn pushed(at: &Configuration) -> Option<[bool; 2]> {
-    at.trace.map(|trace| trace.pushed)
-}
-
-/// Where a fall begins; `None` if the configuration is impossible.
-fn beginning(at: &Configuration) -> Option<Beginning> {
-    let (y, velocity) = (at.vars[VarId::Y][0].hull()?, at.vars[VarId::Y][1].hull()?);
-    // The casts saturate.
-    let row = |y: f64| (y / ROW).round() as i64;
-    Some((row(y.high), [velocity.low < 0.0, velocity.high > 0.0]))
-}
-
-/// A configuration at other places.
-fn placed(at: &Configuration, x: Interval) -> Configuration {
-    let mut at = at.clone();
-    at.set(VarId::X, 0, Values::from(x));
-    at
-}
-
-/// The join of two configurations, with one interval each of heights and velocities.
-fn joined(a: &Configuration, b: &Configuration) -> Configuration {
-    let mut all = a.or(b);
-    for var in VarId::XY {
-        for degree in 0..3 {
-            let hull = all.vars[var][degree].hull().map_or(Values::none(), Values::from);
-            all.set(var, degree, hull);
-        }
-    }
-    all
-}
-
-/// Whether two configurations are the same.
-fn is_same(a: &Configuration, b: &Configuration) -> bool {
-    a.shares(b) && a.timers == b.timers && a.spaces == b.spaces && a.trace == b.trace || a == b
-}
-
-/// Joins a configuration at some places into the parts of its course, which stay apart; returns whether any is to be
-/// stepped.
-fn overlay(parts: &mut Vec<Part>, x: Interval, found: &Configuration) -> bool {
-    // What only touches is apart.
-    let is_before = |a: f64, b: f64| if x.is_point() { a < b } else { a <= b };
-    let first = parts.partition_point(|part| is_before(part.x.high, x.low));
-    let after = parts.partition_point(|part| !is_before(x.high, part.x.low)).max(first);
-    let mut new: Vec<Part> = Vec::new();
-    let mut from = x.low;
-    let mut is_more = false;
-    for part in &parts[first..after] {
-        let left = |x: Interval| Part { x, at: part.at.clone(), is_due: part.is_due };
-        if from < part.x.low {
-            let x = Interval { low: from, high: part.x.low };
-            new.push(Part { x, at: found.clone(), is_due: true });
-            is_more = true;
-        }
-        let both = Interval { low: from.greatest(part.x.low), high: x.high.least(part.x.high) };
-        from = part.x.high;
-        if found.is_within(&part.at) {
-            new.push(left(part.x));
-            continue;
-        }
-        is_more = true;
-        if part.x.low < both.low {
-            new.push(left(Interval { low: part.x.low, high: both.low }));
-        }
-        new.push(Part { x: both, at: joined(&part.at, found), is_due: true });
-        if both.high < part.x.high {
-            new.push(left(Interval { low: both.high, high: part.x.high }));
-        }
-    }
-    if from < x.high || first == after {
-        let x = Interval { low: from, high: x.high };
-        new.push(Part { x, at: found.clone(), is_due: true });
-        is_more = true;
-    }
-    if !is_more {
-        return false;
-    }
-    // With its neighbours, of which it may be the rest.
-    let (first, after) = (first.saturating_sub(1), (after + 1).min(parts.len()));
-    let mut all: Vec<Part> = parts.splice(first..after, []).collect();
-    let at = all.partition_point(|part| is_before(part.x.high, x.low));
-    let to = all.partition_point(|part| !is_before(x.high, part.x.low)).max(at);
-    all.splice(at..to, new);
-    all.dedup_by(|next, last| {
-        let is_one = next.is_due == last.is_due && next.x.low <= last.x.high && is_same(&next.at, &last.at);
-        if is_one {
-            last.x = last.x.or(next.x);
-        }
-        is_one
-    });
-    parts.splice(first..first, all);
-    if parts.len() > MAX_PARTS
-        && let Some(x) = parts.iter().map(|part| part.x).reduce(Interval::or)
-        && let Some(at) = parts.iter().map(|part| part.at.clone()).reduce(|a, b| joined(&a, &b))
-    {
-        *parts = vec![Part { x, at, is_due: true }];
-    }
-    true
 }

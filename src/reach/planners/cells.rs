@@ -3,23 +3,21 @@
 
 use hashbrown::HashTable;
 use rand::RngExt;
-use smallvec::SmallVec;
 
 use crate::reach::search_context::SearchContext;
 use crate::reach::tree::NodeId;
+
+use super::few::Few;
 
 /// Number of cells drawn, of which the most important is taken.
 const CANDIDATES: usize = 3;
 /// No cell, or no index.
 const NONE: u32 = u32::MAX;
 
-/// Nodes or cells; most have few, which take no memory elsewhere.
-type Inside = SmallVec<[u32; 4]>;
-
 /// A cell of a level; cells of the last level hold nodes, others hold cells of the next level.
 #[derive(Debug, Clone, Default)]
 struct Cell {
-    inside: Inside,
+    inside: Few,
     parent: u32,
     /// Its index in its parent.
     place: u32,
@@ -37,7 +35,7 @@ pub(super) struct Cells {
     /// Cells by their keys.
     known: HashTable<u32>,
     /// The cells of the first level that hold open nodes.
-    first: Inside,
+    first: Few,
     /// For each node, its cell and its index in it.
     locations: Vec<(u32, u32)>,
 }
@@ -76,7 +74,7 @@ impl Cells {
         self.cells[cell as usize].chosen += 1;
     }
 
-    fn inside_mut(&mut self, cell: u32) -> &mut Inside {
+    fn inside_mut(&mut self, cell: u32) -> &mut Few {
         match cell {
             NONE => &mut self.first,
             cell => &mut self.cells[cell as usize].inside,

@@ -12,6 +12,7 @@ mod coverage_guided;
 mod dead_ends;
 mod distance_guided;
 mod eg;
+mod few;
 mod guided;
 mod ledge_guided;
 mod player_cells;

@@ -30,9 +30,11 @@ const NODE: u64 = 2_048;
 
 /// For a faster path, the search goes on for as much work as the first one took, and for some nodes at least: for so many
 /// times those of the first one, and as many more, but not for more than a number of nodes; for so many times as long while
-/// the fastest one takes more than so many times the lower bound of its time.
+/// the fastest one takes more than so many times the lower bound of its time; and no longer once it takes at most so many
+/// halves of it.
 const FEWEST: [u64; 3] = [16, 1_000, 22_000];
 const SLOW: [u64; 2] = [3, 2];
+const FAST: u64 = 3;
 
 /// A planner with its shares of the work: until a path is found, at first and when that takes long, and for a faster one.
 pub(super) struct Arm<'a> {
@@ -160,7 +162,11 @@ impl<'a> Portfolio<'a> {
     fn is_fast_enough(&self) -> bool {
         self.fastest.as_ref().is_some_and(|fastest| {
             let [longer, slow] = SLOW;
-            let is_slow = self.least > 0 && fastest.plan.steps - fastest.plan.after > slow * self.least;
+            let steps = fastest.plan.steps - fastest.plan.after;
+            if self.least > 0 && 2 * steps <= FAST * self.least {
+                return true;
+            }
+            let is_slow = self.least > 0 && steps > slow * self.least;
             let times = if is_slow { longer } else { 1 };
             let until = [0, 1].map(|of| fastest.first[of] + times * fastest.more[of]);
             until[0] <= self.nodes() && until[1] <= self.work() || self.arms.is_empty()

@@ -440,12 +440,12 @@ struct Shares {
     coverage: [u64; 3],
 }
 
-/// The shares as a rule: whole jumps find most. Where distances only lead to an edge, or nowhere, more is left to the
-/// others.
+/// The shares as a rule: whole jumps find most, and a beam, where it finds any, fast ways. Where distances only lead to an
+/// edge, or nowhere, more is left to the others.
 const AUTO: Shares = Shares {
     blended: 1,
     by_time: &[[3, 3, 3], [2, 2, 1], [1, 1, 0]],
-    beam: [2, 8, 5],
+    beam: [24, 8, 5],
     by_jumps: &[[28, 56, 0]],
     by_ledges: &[[12, 84, 0]],
     coverage: [1, 8, 0],

@@ -196,8 +196,11 @@ impl PackedStates {
         &self.whole[chunk][from..from + self.stride]
     }
 
-    /// Differences that begin somewhere, and what follows them.
+    /// Differences that begin somewhere, and what follows them; nothing if there are none.
     fn kept(&self, at: u32) -> &[u8] {
+        if at == NONE {
+            return &[];
+        }
         let begin = at as usize * ALIGNMENT;
         &self.packed[begin / CHUNK][begin % CHUNK..]
     }
@@ -205,14 +208,18 @@ impl PackedStates {
     /// A reference; the buffer is for one that is not kept whole.
     fn reference<'s>(&'s self, number: u32, buffer: &'s mut Vec<u8>) -> &'s [u8] {
         let Entry { near, at } = self.references[number as usize];
-        let whole = self.whole_state(near);
         if at == NONE {
-            return whole;
+            return self.whole_state(near);
         }
-        buffer.clear();
-        buffer.extend_from_slice(whole);
-        apply(self.kept(at), buffer);
+        self.copy_reference(number, buffer);
         buffer
+    }
+
+    fn copy_reference(&self, number: u32, buffer: &mut Vec<u8>) {
+        let Entry { near, at } = self.references[number as usize];
+        buffer.clear();
+        buffer.extend_from_slice(self.whole_state(near));
+        apply(self.kept(at), buffer);
     }
 
     /// A state; the buffer is for one that is not kept whole.
@@ -224,12 +231,7 @@ impl PackedStates {
         if at == NONE {
             return self.reference(near, buffer);
         }
-        let Entry { near, at: from_whole } = self.references[near as usize];
-        buffer.clear();
-        buffer.extend_from_slice(self.whole_state(near));
-        if from_whole != NONE {
-            apply(self.kept(from_whole), buffer);
-        }
+        self.copy_reference(near, buffer);
         apply(self.kept(at), buffer);
         buffer
     }
@@ -241,8 +243,7 @@ impl PackedStates {
             return self.whole_state(near) == state;
         }
         let Entry { near, at: from_whole } = self.references[near as usize];
-        let patches = |at: u32| Patches::new(if at == NONE { &[] } else { self.kept(at) });
-        let (mut first, mut second) = (patches(from_whole), patches(at));
+        let [mut first, mut second] = [from_whole, at].map(|at| Patches::new(self.kept(at)));
         let (whole, state) = (words(self.whole_state(near)), words(state));
         whole.zip(state).enumerate().all(|(at, (whole, word))| second.patched(at, first.patched(at, whole)) == word)
     }

@@ -108,12 +108,12 @@ const BY_PLACE: Pause = Pause { nodes: 4_000, times: 1 };
 /// and again.
 const BY_FLIGHT: Pause = Pause { nodes: 24_000, times: 4 };
 
-/// Maximum number of configurations that are told apart by the courses of falls, for each node of the budget: so both cost
-/// about the same; and where exhaustion is asked for.
+/// Maximum number of configurations that are told apart by the courses of falls, for each node of the budget, and for each
+/// node while the search is stuck, which may yet find a way: one costs as much as two nodes or more. Both are the same where
+/// exhaustion is asked for.
 const FLIGHTS: u64 = 2;
+const FLIGHTS_WHEN_STUCK: u64 = 1;
 const FLIGHTS_EXHAUSTING: u64 = 20;
-/// The number of them for each node while the search is stuck.
-const FLIGHTS_WHEN_STUCK: u64 = 8;
 
 /// Says yes so many times for each node of a search, which goes on whenever that is used up, and so many times at most.
 fn alternating<'g>(nodes: u64, go_on: &'g mut GoOn<'_>, per_node: u64, most: u64) -> impl FnMut() -> bool + 'g {
@@ -199,7 +199,10 @@ fn reach_monitored(
     };
     #[cfg(not(feature = "ask"))]
     let proof_by_flight = |_: &mut dyn FnMut() -> bool| -> Option<Proof> { None };
-    let per_node = if settings.exhausts { FLIGHTS_EXHAUSTING } else { FLIGHTS };
+    let [per_node, when_stuck] = match settings.exhausts {
+        true => [FLIGHTS_EXHAUSTING; 2],
+        false => [FLIGHTS, FLIGHTS_WHEN_STUCK],
+    };
     let all_flights = limits.nodes.saturating_mul(per_node);
     let (mut proof, mut is_tried) = (None, false);
     let mut closer_proof = |pause: Pause, go_on: &mut GoOn<'_>| -> bool {
@@ -207,8 +210,7 @@ fn reach_monitored(
             BY_PLACE => prove(whole.clone().by_place(of, world, &nevers, watch)),
             _ => {
                 is_tried = true;
-                let per_node = per_node.max(FLIGHTS_WHEN_STUCK);
-                proof_by_flight(&mut alternating(pause.nodes, go_on, per_node, all_flights))
+                proof_by_flight(&mut alternating(pause.nodes, go_on, when_stuck, all_flights))
             }
         };
         proof.is_some()

@@ -1,28 +1,25 @@
-//! A portfolio: alternates several planners with different strengths. Their shares are shares of work, which a meter
-//! counts, so that they are the same on every machine: a node of one planner costs many times that of another. The first
-//! answer counts, or the fastest path that is found with as much work again: what is found first is often a detour.
+//! A portfolio: alternates several planners with different strengths. Work is counted by a meter, so that it is the same on
+//! every machine: a node of one planner costs many times that of another. The next turn is that of the planner which, at its
+//! pace so far, would come to the goal with the least work for its share. Who gets stuck falls back by itself, and who gets
+//! on has nearly all of the work. The first answer counts, or the fastest path that is found with as much work again: what
+//! is found first is often a detour.
 
 use super::outcome::Plan;
+use super::problem::Start;
 use super::search_context::Notes;
 use super::searcher::{Ending, Searcher};
 
-/// Number of nodes per share in the first turn; turns grow with the nodes spent, to limit their number.
+/// Number of nodes per share in the first turn, and the maximum number of shares there; turns grow with the nodes spent, to
+/// limit their number.
 const TURN: u64 = 32;
+const SHARES: u64 = 8;
 /// Number of nodes of the very first turn: much is found at once by the first planner.
 const FIRST: u64 = 128;
 /// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
-/// As many places must one be nearer to the goal for others to go on from its way.
+/// As many places must one be nearer to the goal for others to go on from its way. Everybody is taken to have come so many
+/// places nearer than it has: the first ones say little about a pace.
 const AHEAD: u32 = 3;
-/// Who has done more than so many times the work that it took to come where it is, is not getting on: its share is divided
-/// by [`LEFT`], once for each. Where nobody is ahead, it is after [`ALONE`] times as much.
-const STALE: [u64; 3] = [2, 8, 32];
-const LEFT: u64 = 3;
-const ALONE: u64 = 2;
-/// Who is nearest to the goal has so many times its share, until it has done so many times the work that it took to come
-/// there.
-const LEADING: u64 = 8;
-const FRESH: u64 = 2;
 /// After so many nodes, a search takes long.
 const LATE: u64 = 32_000;
 /// The work that a node counts for besides what it took: it needs memory, and the budget is one of nodes.
@@ -32,7 +29,7 @@ const NODE: u64 = 2_048;
 /// times those of the first one, and as many more, but not for more than a number of nodes; for so many times as long while
 /// the fastest one takes more than so many times the lower bound of its time; and no longer once it takes at most so many
 /// halves of it.
-const FEWEST: [u64; 3] = [16, 1_000, 22_000];
+const FEWEST: [u64; 3] = [16, 1_000, 8_000];
 const SLOW: [u64; 2] = [3, 2];
 const FAST: u64 = 3;
 
@@ -42,14 +39,18 @@ pub(super) struct Arm<'a> {
     share_when_late: u64,
     share_for_faster: u64,
     searcher: Box<dyn Searcher + 'a>,
-    /// Its least distance to the goal, places, and its work when it came there.
+    /// The cost at which it began anew, to look for a faster path, and that of the way of another one from which it goes on.
+    base: u64,
+    adopted: u64,
+    /// Its least distance to the goal, places, and the cost when it came there.
     nearest: (u32, u64),
 }
 
 impl<'a> Arm<'a> {
     /// A planner with a share until a path is found, and none then.
     pub fn new(share: u64, searcher: Box<dyn Searcher + 'a>) -> Self {
-        Arm { share, share_when_late: share, share_for_faster: 0, searcher, nearest: (u32::MAX, 0) }
+        let nearest = (u32::MAX, 0);
+        Arm { share, share_when_late: share, share_for_faster: 0, searcher, base: 0, adopted: 0, nearest }
     }
 
     /// The same, with another share once the search has gone on for [`LATE`] nodes.
@@ -62,30 +63,45 @@ impl<'a> Arm<'a> {
         Arm { share_for_faster, ..self }
     }
 
+    /// Its work, and that for which its nodes count.
+    fn spent(&self) -> u64 {
+        self.searcher.work().saturating_add(self.searcher.nodes().saturating_mul(NODE))
+    }
+
+    /// What it took to come where it is, with what it took another one whose way it has adopted.
+    fn cost(&self) -> u64 {
+        (self.spent() - self.base).saturating_add(self.adopted)
+    }
+
     /// Grows by about `nodes` nodes, and notes whether it has come nearer to the goal.
     fn advance(&mut self, nodes: u64) -> Ending {
         let ending = self.searcher.advance(nodes);
         if let Some(nearest) = self.searcher.nearest().filter(|nearest| *nearest < self.nearest.0) {
-            self.nearest = (nearest, self.searcher.work());
+            self.nearest = (nearest, self.cost());
         }
         ending
     }
 
-    /// How many times its share is to be divided by [`LEFT`], where somebody has come to a distance: it has not come nearer
-    /// for longer than it took to get where it is. Who follows others is never left behind.
-    fn behind(&self, nearest: u32) -> u32 {
-        let (mine, work) = self.nearest;
-        if self.searcher.nearest().is_none() || self.searcher.follows() {
-            return 0;
-        }
-        let patience = if is_ahead(nearest, mine) { 1 } else { ALONE };
-        let is_stale = |times: &&u64| self.searcher.work() > work.saturating_mul(**times * patience);
-        STALE.iter().filter(is_stale).count() as u32
+    /// Goes on from the way of another one as well, which came to a distance at a cost.
+    fn adopt(&mut self, (nearest, cost): (u32, u64), way: &[Start]) {
+        self.searcher.adopt(nearest, way);
+        self.adopted = self.adopted.max(cost);
     }
 
-    /// Whether it has come nearer to the goal lately.
-    fn is_fresh(&self) -> bool {
-        self.searcher.nearest().is_some() && self.searcher.work() <= FRESH.saturating_mul(self.nearest.1)
+    /// From now on, looks for paths of fewer steps than a number.
+    fn look_for_faster(&mut self, steps: u64) {
+        self.searcher.look_for_faster(steps);
+        if self.searcher.nearest() == Some(u32::MAX) {
+            (self.base, self.adopted, self.nearest) = (self.spent(), 0, (u32::MAX, 0));
+        }
+    }
+
+    /// The cost at which it would come to the goal at its pace so far, from a distance `start`; who comes to no distance is
+    /// as near as `nearest`.
+    fn expected(&self, start: u32, nearest: u32) -> u128 {
+        let left = self.searcher.nearest().unwrap_or(nearest).min(start);
+        let [whole, done] = [start, start - left].map(|places| u128::from(places.saturating_add(AHEAD)));
+        u128::from(self.cost()) * whole / done
     }
 }
 
@@ -115,16 +131,18 @@ pub(super) struct Portfolio<'a> {
     memory: u64,
     planner: &'static str,
     fastest: Option<Fastest>,
-    /// A lower bound of the steps of a path, 0 if none is known.
+    /// A lower bound of the steps of a path, and the distance of the start, places; 0 if none is known.
     least: u64,
+    start: u32,
 }
 
 impl<'a> Portfolio<'a> {
-    /// Alternates planners; the first has the first turn. No path takes fewer than `least` steps, as far as is known.
-    pub fn new(arms: Vec<Arm<'a>>, memory: u64, least: u64) -> Self {
+    /// Alternates planners; the first has the first turn. No path takes fewer than `least` steps, as far as is known, and the
+    /// goal is so many places from the `start`.
+    pub fn new(arms: Vec<Arm<'a>>, memory: u64, (least, start): (u64, u32)) -> Self {
         let memory = memory / arms.len().max(1) as u64;
         let (spent, planner) = (Notes::default(), "auto");
-        Portfolio { arms, spent, spent_work: 0, turn: None, memory, planner, fastest: None, least }
+        Portfolio { arms, spent, spent_work: 0, turn: None, memory, planner, fastest: None, least, start }
     }
 
     fn retire(&mut self, at: usize) {
@@ -154,7 +172,7 @@ impl<'a> Portfolio<'a> {
         };
         self.turn = None;
         self.fastest = Some(Fastest { plan, planner: self.planner, first, more });
-        self.arms.iter_mut().for_each(|arm| arm.searcher.look_for_faster(steps));
+        self.arms.iter_mut().for_each(|arm| arm.look_for_faster(steps));
         None
     }
 
@@ -184,9 +202,9 @@ impl<'a> Portfolio<'a> {
         if !self.arms.iter().any(is_behind) {
             return;
         }
-        let way = self.arms[first].searcher.way();
+        let (way, cost) = (self.arms[first].searcher.way(), self.arms[first].nearest.1);
         for arm in self.arms.iter_mut().filter(|arm| is_behind(arm)) {
-            arm.searcher.adopt(nearest, &way);
+            arm.adopt((nearest, cost), &way);
         }
     }
 
@@ -195,7 +213,7 @@ impl<'a> Portfolio<'a> {
         self.nodes() >= LATE
     }
 
-    /// The share of a planner, before it is known who leads.
+    /// The share of a planner.
     fn share(&self, arm: &Arm<'_>) -> u64 {
         match self.fastest {
             Some(_) => arm.share_for_faster,
@@ -204,23 +222,13 @@ impl<'a> Portfolio<'a> {
         }
     }
 
-    /// The planner that is furthest behind its share.
+    /// The planner that would come to the goal with the least work for its share.
     fn next(&self) -> Option<usize> {
-        let (mut leader, mut nearest) = (None, u32::MAX);
-        if self.fastest.is_none() {
-            let with_distance = (0..self.arms.len()).filter(|at| self.arms[*at].searcher.nearest().is_some());
-            leader = with_distance.min_by_key(|at| self.arms[*at].nearest);
-            nearest = leader.map_or(u32::MAX, |at| self.arms[at].nearest.0);
-            leader = leader.filter(|at| self.arms[*at].is_fresh());
-        }
+        let nearest = self.arms.iter().filter_map(|arm| arm.searcher.nearest()).min().unwrap_or(0);
         (0..self.arms.len()).min_by_key(|at| {
             let arm = &self.arms[*at];
-            // Who comes to no distance is not behind.
-            let keeps_up = leader.is_some() && arm.searcher.nearest().is_none();
-            let lead = if keeps_up || leader == Some(*at) { LEADING } else { 1 };
-            let behind = if self.fastest.is_none() { arm.behind(nearest) } else { 0 };
-            let share = self.share(arm) * LEFT.pow(STALE.len() as u32 - behind) * lead;
-            arm.searcher.work().saturating_add(arm.searcher.nodes().saturating_mul(NODE)) / share.max(1)
+            // With a few digits more than whole ones.
+            (arm.expected(self.start, nearest) << 8) / u128::from(self.share(arm).max(1))
         })
     }
 }
@@ -247,7 +255,7 @@ impl Searcher for Portfolio<'_> {
                     let Some(at) = self.next() else { return Ending::Spent };
                     let (share, nodes) = (self.share(&self.arms[at]), self.arms[at].searcher.nodes());
                     let at_first = if self.nodes() == 0 { FIRST } else { 0 };
-                    (at, nodes + (nodes / SHARE).max(TURN * share).max(at_first))
+                    (at, nodes + (nodes / SHARE).max(TURN * share.min(SHARES)).max(at_first))
                 }
             };
             let is_last = self.arms.len() == 1;

@@ -24,8 +24,8 @@ pub(super) struct Interlude<'i> {
     pub ends: &'i mut dyn FnMut(Pause, &mut GoOn<'_>) -> bool,
 }
 
-/// Goes on with a search for a while; returns its number of nodes, all of the budget once it has ended without an answer, or
-/// `None` if it has one, or was stopped.
+/// Goes on with a search for a while; returns its number of nodes, more than there can be once it has ended without an
+/// answer, or `None` if it has one, or was stopped.
 pub(super) type GoOn<'g> = dyn FnMut() -> Option<u64> + 'g;
 
 /// When a search pauses.
@@ -90,7 +90,7 @@ impl ParallelSearch<'_, '_> {
                         }
                     }
                     let is_unanswered = matches!(ended, Some((None, End::Nodes | End::Memory | End::Answered, _)));
-                    is_unanswered.then_some(self.limits.nodes)
+                    is_unanswered.then_some(u64::MAX)
                 };
                 if (interlude.ends)(pause, &mut go_on) {
                     break (None, End::Stopped, 0);
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_question_has_the_whole_budget_once_the_search_has_ended_without_an_answer() {
+    fn a_question_has_all_that_is_left_once_the_search_has_ended_without_an_answer() {
         let (settings, limits) = (Settings::default(), Limits { nodes: 10_000, ..Limits::default() });
         let mut seen = Vec::new();
         let mut ends = |_: Pause, go_on: &mut GoOn<'_>| {
@@ -292,7 +292,7 @@ mod tests {
         };
         let outcome = search.grow(Some(Interlude { pauses: &pauses, ends: &mut ends }));
         assert_eq!((outcome.verdict, outcome.end), (Verdict::NotFound, End::Answered));
-        assert_eq!(seen, [1_512, 2_024, 10_000, 10_000, 10_000, 10_000]);
+        assert_eq!(seen, [1_512, 2_024, u64::MAX, u64::MAX, u64::MAX, u64::MAX]);
     }
 
     #[test]

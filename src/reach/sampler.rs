@@ -363,6 +363,9 @@ impl Searcher for Sampler<'_> {
     fn look_for_faster(&mut self, steps: u64) {
         // What was adopted is on a way that is no longer in time, or hardly.
         self.is_given_up |= self.most.is_none() && (self.strategy.starts_over() || !self.context.adopted().is_empty());
+        if self.is_given_up {
+            self.nearest = (u32::MAX, None);
+        }
         self.limit(steps);
     }
 

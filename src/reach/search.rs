@@ -282,10 +282,13 @@ impl<'a> Builder<'_, 'a> {
     }
 
     fn portfolio(&self, arms: Vec<Arm<'a>>) -> Box<dyn Searcher + 'a> {
-        let from =
-            |start: &Start| self.guidance.distances.map_or(0, |of| of.least_steps(self.problem.sim, &start.state));
-        let least = self.starts.iter().map(from).min().unwrap_or(0);
-        Box::new(Portfolio::new(arms, self.limits.memory / self.settings.trees.max(1) as u64, least.into()))
+        let from = |start: &Start| {
+            let (sim, distances) = (self.problem.sim, self.guidance.distances?);
+            Some((distances.least_steps(sim, &start.state), distances.of(sim, &start.state)))
+        };
+        let (least, far) = self.starts.iter().filter_map(from).min().unwrap_or((0, 0));
+        let memory = self.limits.memory / self.settings.trees.max(1) as u64;
+        Box::new(Portfolio::new(arms, memory, (least.into(), far)))
     }
 
     /// Number of nodes of the shortest tree of `auto` that is led by distances and by coverage.
@@ -444,10 +447,10 @@ struct Shares {
 /// edge, or nowhere, more is left to the others.
 const AUTO: Shares = Shares {
     blended: 1,
-    by_time: &[[3, 3, 3], [2, 2, 1], [1, 1, 0]],
-    beam: [24, 8, 5],
-    by_jumps: &[[28, 56, 0]],
-    by_ledges: &[[12, 84, 0]],
+    by_time: &[[8, 8, 2], [2, 2, 0], [8, 8, 4]],
+    beam: [8, 8, 6],
+    by_jumps: &[[8, 16, 0]],
+    by_ledges: &[[4, 24, 0]],
     coverage: [1, 8, 0],
 };
 const TO_AN_EDGE: Shares = Shares {

@@ -1,24 +1,25 @@
-//! A portfolio: alternates several planners with different strengths. Work is counted by a meter, so that it is the same on
-//! every machine: a node of one planner costs many times that of another. The next turn is that of the planner which, at its
-//! pace so far, would come to the goal with the least work for its share. Who gets stuck falls back by itself, and who gets
-//! on has nearly all of the work. The first answer counts, or the fastest path that is found with as much work again: what
-//! is found first is often a detour.
+//! A portfolio: alternates several planners with different strengths. Work is counted by a meter, so that it is the
+//! same on every machine: a node of one planner costs many times that of another. The next turn is that of the planner
+//! which, at its pace so far, would come to the goal with the least work for its share. Who gets stuck falls back by
+//! itself, and who gets on has nearly all of the work, as in Gagliolo and Schmidhuber, *Learning Dynamic Algorithm
+//! Portfolios*, 2006, who share time by what is expected of each algorithm as it runs. The first answer counts, or the
+//! fastest path that is found with as much work again: what is found first is often a detour.
 
 use super::outcome::Plan;
 use super::problem::Start;
 use super::search_context::Notes;
 use super::searcher::{Ending, Searcher};
 
-/// Number of nodes per share in the first turn, and the maximum number of shares there; turns grow with the nodes spent, to
-/// limit their number.
+/// Number of nodes per share in the first turn, and the maximum number of shares there; turns grow with the nodes
+/// spent, to limit their number.
 const TURN: u64 = 32;
 const SHARES: u64 = 8;
 /// Number of nodes of the very first turn: much is found at once by the first planner.
 const FIRST: u64 = 128;
 /// Divisor: the maximum length of a turn as a share of the planner's nodes so far.
 const SHARE: u64 = 8;
-/// As many places must one be nearer to the goal for others to go on from its way. Everybody is taken to have come so many
-/// places nearer than it has: the first ones say little about a pace.
+/// As many places must one be nearer to the goal for others to go on from its way. Everybody is taken to have come so
+/// many places nearer than it has: the first ones say little about a pace.
 const AHEAD: u32 = 3;
 /// After so many nodes, a search takes long.
 const LATE: u64 = 32_000;

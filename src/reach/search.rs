@@ -450,7 +450,7 @@ const AUTO: Shares = Shares {
     by_time: &[[8, 8, 2], [2, 2, 0], [8, 8, 4]],
     beam: [8, 8, 6],
     by_jumps: &[[8, 16, 0]],
-    by_ledges: &[[4, 24, 0]],
+    by_ledges: &[[4, 48, 0]],
     coverage: [1, 8, 0],
 };
 const TO_AN_EDGE: Shares = Shares {

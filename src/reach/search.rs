@@ -443,8 +443,9 @@ struct Shares {
     coverage: [u64; 3],
 }
 
-/// The shares as a rule: whole jumps find most, and a beam, where it finds any, fast ways. Where distances only lead to an
-/// edge, or nowhere, more is left to the others.
+/// The shares as a rule: none of those that find ways is the best in most levels, so they begin with about the same, and
+/// their pace decides. From ledge to ledge leads where all others are stuck. Where distances only lead to an edge, or
+/// nowhere, more is left to the others.
 const AUTO: Shares = Shares {
     blended: 1,
     by_time: &[[8, 8, 2], [2, 2, 0], [8, 8, 4]],

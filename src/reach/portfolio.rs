@@ -135,15 +135,22 @@ pub(super) struct Portfolio<'a> {
     /// A lower bound of the steps of a path, and the distance of the start, places; 0 if none is known.
     least: u64,
     start: u32,
+    /// Makes the first path faster, with little work.
+    hasten: Box<dyn Fn(&Plan) -> Plan + Send + 'a>,
 }
 
 impl<'a> Portfolio<'a> {
     /// Alternates planners; the first has the first turn. No path takes fewer than `least` steps, as far as is known, and the
     /// goal is so many places from the `start`.
-    pub fn new(arms: Vec<Arm<'a>>, memory: u64, (least, start): (u64, u32)) -> Self {
+    pub fn new(
+        arms: Vec<Arm<'a>>,
+        memory: u64,
+        (least, start): (u64, u32),
+        hasten: impl Fn(&Plan) -> Plan + Send + 'a,
+    ) -> Self {
         let memory = memory / arms.len().max(1) as u64;
-        let (spent, planner) = (Notes::default(), "auto");
-        Portfolio { arms, spent, spent_work: 0, turn: None, memory, planner, fastest: None, least, start }
+        let (spent, planner, hasten) = (Notes::default(), "auto", Box::new(hasten));
+        Portfolio { arms, spent, spent_work: 0, turn: None, memory, planner, fastest: None, least, start, hasten }
     }
 
     fn retire(&mut self, at: usize) {
@@ -154,8 +161,7 @@ impl<'a> Portfolio<'a> {
     }
 
     /// Takes a path; returns it if no planner is to look for a faster one.
-    fn take(&mut self, plan: Plan) -> Option<Plan> {
-        let steps = plan.steps - plan.after;
+    fn take(&mut self, mut plan: Plan) -> Option<Plan> {
         if plan.is_shortest || self.arms.iter().all(|arm| arm.share_for_faster == 0) {
             self.fastest = None;
             return Some(plan);
@@ -167,24 +173,33 @@ impl<'a> Portfolio<'a> {
                 while let Some(at) = self.arms.iter().position(|arm| arm.share_for_faster == 0) {
                     self.retire(at);
                 }
+                if !self.is_fast(&plan) {
+                    plan = (self.hasten)(&plan);
+                }
                 let [times, more, most] = FEWEST;
                 (first, [(times * first[0] + more).min(most), first[1]])
             }
         };
         self.turn = None;
+        let steps = plan.steps - plan.after;
         self.fastest = Some(Fastest { plan, planner: self.planner, first, more });
         self.arms.iter_mut().for_each(|arm| arm.look_for_faster(steps));
         None
     }
 
+    /// Whether no faster path is to be looked for, as far as the lower bound tells.
+    fn is_fast(&self, plan: &Plan) -> bool {
+        self.least > 0 && 2 * (plan.steps - plan.after) <= FAST * self.least
+    }
+
     /// Whether there is a path, and enough was done for a faster one.
     fn is_fast_enough(&self) -> bool {
         self.fastest.as_ref().is_some_and(|fastest| {
-            let [longer, slow] = SLOW;
-            let steps = fastest.plan.steps - fastest.plan.after;
-            if self.least > 0 && 2 * steps <= FAST * self.least {
+            if self.is_fast(&fastest.plan) {
                 return true;
             }
+            let [longer, slow] = SLOW;
+            let steps = fastest.plan.steps - fastest.plan.after;
             let is_slow = self.least > 0 && steps > slow * self.least;
             let times = if is_slow { longer } else { 1 };
             let until = [0, 1].map(|of| fastest.first[of] + times * fastest.more[of]);

@@ -27,6 +27,7 @@ use super::rounds::{Interlude, ParallelSearch};
 use super::sampler::Sampler;
 use super::search_context::SearchContext;
 use super::searcher::Searcher;
+use super::shortcuts::{Effort, take_shortcuts};
 use super::start_hold::{StartStatus, finish_hold};
 use super::strategy::Strategy;
 use super::why_not::Margins;
@@ -288,7 +289,9 @@ impl<'a> Builder<'_, 'a> {
         };
         let (least, far) = self.starts.iter().filter_map(from).min().unwrap_or((0, 0));
         let memory = self.limits.memory / self.settings.trees.max(1) as u64;
-        Box::new(Portfolio::new(arms, memory, (least.into(), far)))
+        let (problem, watch) = (self.problem, self.watch);
+        let hasten = move |plan: &Plan| take_shortcuts(problem, plan, Effort::Brief(0), watch);
+        Box::new(Portfolio::new(arms, memory, (least.into(), far), hasten))
     }
 
     /// Number of nodes of the shortest tree of `auto` that is led by distances and by coverage.
@@ -448,7 +451,7 @@ struct Shares {
 /// nowhere, more is left to the others.
 const AUTO: Shares = Shares {
     blended: 1,
-    by_time: &[[8, 8, 2], [2, 2, 0], [8, 8, 4]],
+    by_time: &[[8, 8, 4], [2, 2, 0], [8, 8, 2]],
     beam: [8, 8, 6],
     by_jumps: &[[8, 16, 0]],
     by_ledges: &[[4, 48, 0]],

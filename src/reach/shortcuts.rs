@@ -1,5 +1,6 @@
 //! Makes a plan faster by shortcuts: where the players can come to a later place of their way sooner than they did, in the
-//! same modes and about as fast, the rest of the way is played from there. Comes after the search (`search.rs`).
+//! same modes and about as fast, the rest of the way is played from there. Comes after a search, and in a portfolio
+//! (`portfolio.rs`) before the search for a faster path.
 //!
 //! After Nakhost and Müller, *Action Elimination and Plan Neighborhood Graph Search: Two Algorithms for Plan Improvement*,
 //! ICAPS 2010: loops are left out, and states beside the plan lead back to it. Here a state seldom returns exactly, so that

@@ -436,7 +436,8 @@ impl Session {
             None => problem,
         };
         let is_free = settings.planner == Planner::Auto && settings.hold.is_none();
-        let hastens = is_free && self.query.style.is_none() && observer.is_none();
+        let is_for_speed = self.query.style.is_none_or(|style| style == Style::Fast);
+        let hastens = is_free && is_for_speed && observer.is_none();
         let settings = &Settings { hastens, ..*settings };
         let mut outcome = reach(&problem, &self.space, settings, limits, watch).map_err(|f| QueryError::Fault(f, 0))?;
         if hastens && let Verdict::Reached(plan) = &outcome.verdict {

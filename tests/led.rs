@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::support::{Disk, assert_leads_to, compile_text, program};
 use hypedc::analysis::configuration_space;
 use hypedc::compile::{LevelFile, compile, compile_with};
-use hypedc::ir::{Program, WorldId};
+use hypedc::ir::{GoalId, Program, WorldId};
 use hypedc::reach::query::{Query, Session};
 use hypedc::reach::{Limits, Plan, Planner, Problem, Settings, Target, Verdict, search};
 use hypedc::sim::Simulator;
@@ -231,6 +231,57 @@ fn what_is_used_up_ends_a_branch() {
 }
 
 /// Two planners that go on from each other's ways need no more than the better one alone, or little more.
+#[test]
+fn who_is_dead_for_good_is_followed_no_further() {
+    // A flyer, whom thorns kill, and a goal that is too far away for so few nodes: the number of modes of its states.
+    let modes = |dead: &str, lift: &str, goal: &str| {
+        let text = format!(
+            "entity Hero {{
+                param speed = 120
+                axis fly, climb
+                collider body: rect(0, 0, 16, 16)
+                mode alive {{ x' = speed * fly; y' = speed * climb; when touching(body, thorn) -> dead }}
+                mode dead {{ {dead} }}
+            }}
+            entity Lift {{ collider lift: rect(0, 0, 8, 8) }}
+            world W {{
+                step 1/20
+                collide body with thorn, flag: sense
+                collide body with lift: block, carry
+                space main {{
+                    rect thorn (120, -200, 16, 400)
+                    rect flag (90000, 16, 16, 16)
+                    place hero: Hero at (64, 16)
+                    {lift}
+                }}
+                player 1: hero
+                goal out: {goal}
+            }}"
+        );
+        let program = program(compile_text(&text));
+        let space = configuration_space(&program, WORLD);
+        let sim = Simulator::new(&program, WORLD);
+        let problem = Problem::new(&sim, GoalId(0));
+        let settings = Settings { planner: Planner::Coverage, ..Settings::default() };
+        let limits = Limits { nodes: 200, ..Limits::default() };
+        let outcome = search(&problem, &space, &settings, &limits, &Unwatched).unwrap();
+        assert_eq!((outcome.statistics.nodes, outcome.verdict), (200, Verdict::NotFound), "{dead} {goal}");
+        outcome.covered.all.modes
+    };
+    let (still, far) = ("x' = 0; y' = 0", "hero.x > 90000");
+    for goal in [far, "90000 < hero.x", "hero touching flag", "hero in alive and hero.x > 90000"] {
+        assert_eq!(modes(still, "", goal), 1, "{goal}");
+    }
+    // A corpse that falls changes its place along y only.
+    let falls = "x' = 0; y'' = -300";
+    assert_eq!(modes(falls, "", far), 1);
+    assert_eq!(modes(falls, "", "hero.y > 90000"), 2);
+    // One that slides, comes to life again, or may be carried, can get there.
+    assert_eq!(modes("x' = 10; y' = 0", "", far), 2);
+    assert_eq!(modes("x' = 0; y' = 0; when timer >= 2s -> alive", "", far), 2);
+    assert_eq!(modes(still, "place lift: Lift at (0, 300)", far), 2);
+}
+
 #[test]
 fn ways_are_exchanged() {
     let program = stage("megaman_1_1.txt");

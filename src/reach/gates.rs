@@ -45,7 +45,7 @@ pub(super) fn gates(problem: &Problem<'_>, space: &ConfigurationSpace, player: S
 }
 
 /// The mode of the instance that a guard asks for, and whether it is to be active.
-fn mode_of(problem: &Problem<'_>, guard: ExprId) -> Option<(ModeId, bool)> {
+pub(super) fn mode_of(problem: &Problem<'_>, guard: ExprId) -> Option<(ModeId, bool)> {
     match problem.sim.program().exprs[guard] {
         Expr::InMode(Subject::Me, mode) => Some((mode, true)),
         Expr::Not(a) => mode_of(problem, a).map(|(mode, is_active)| (mode, !is_active)),

@@ -1,6 +1,7 @@
 //! What is lost for good: a number that the goal needs to be at least so large, and that only decreases, or the other way
-//! round, such as fuel; a mode that the goal needs, and to which no edges lead from the one an instance is in. Trees go on
-//! from no state in which that has happened. It is no part of any proof.
+//! round, such as fuel; a mode that the goal needs, and to which no edges lead from the one an instance is in; a place, if
+//! the instance is elsewhere and stays there (`settled.rs`). Trees go on from no state in which that has happened. It is no
+//! part of any proof.
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::{
@@ -9,6 +10,7 @@ use crate::ir::{
 use crate::sim::Simulator;
 
 use super::problem::Problem;
+use super::settled::{Settled, asked_place};
 use super::why_not::hops;
 
 /// The conditions of a goal that never hold again once they do not.
@@ -17,6 +19,8 @@ pub(super) struct Lost {
     conditions: Vec<(SlotId, VarId, CompareOp, f64)>,
     /// A group of an instance, and the leaves from which edges lead to what the goal needs.
     modes: Vec<(SlotId, GroupId, Vec<bool>)>,
+    /// What it needs of the place of an instance, and where that never changes again.
+    places: Vec<(ExprId, Settled)>,
 }
 
 impl Lost {
@@ -24,7 +28,11 @@ impl Lost {
     pub fn new(problem: &Problem<'_>, space: &ConfigurationSpace) -> Lost {
         let program = problem.sim.program();
         let (mut open, mut conditions, mut modes) = (vec![problem.predicate()], Vec::new(), Vec::new());
+        let mut places = Vec::new();
         while let Some(id) = open.pop() {
+            if let Some((slot, axes)) = asked_place(problem, space, id) {
+                places.extend(Settled::all(problem, slot, axes).into_iter().map(|settled| (id, settled)));
+            }
             match program.exprs[id] {
                 Expr::And(a, b) => open.extend([a, b]),
                 Expr::Compare(op, a, b) => {
@@ -38,7 +46,7 @@ impl Lost {
                 _ => {}
             }
         }
-        Lost { conditions, modes }
+        Lost { conditions, modes, places }
     }
 
     /// Whether a condition is lost in a state.
@@ -51,7 +59,10 @@ impl Lost {
         let is_mode = |(slot, group, leads): &(SlotId, GroupId, Vec<bool>)| {
             !layouts[*slot].alive(state) || !leads[layouts[*slot].leaf(state, *group).index()]
         };
-        self.conditions.iter().any(is_number) || self.modes.iter().any(is_mode)
+        // A fault is told where the target is judged.
+        let is_elsewhere = |id: ExprId| sim.holds(state, id).is_ok_and(|holds| !holds);
+        let is_place = |(id, settled): &(ExprId, Settled)| settled.is_in(sim, state) && is_elsewhere(*id);
+        self.conditions.iter().any(is_number) || self.modes.iter().any(is_mode) || self.places.iter().any(is_place)
     }
 }
 

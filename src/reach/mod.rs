@@ -55,6 +55,7 @@ mod sampler;
 mod search;
 mod search_context;
 mod searcher;
+mod settled;
 mod shortcuts;
 mod shorten;
 mod stages;

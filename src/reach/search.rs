@@ -447,15 +447,15 @@ struct Shares {
 }
 
 /// The shares as a rule: none of those that find ways is the best in most levels, so they begin with about the same, and
-/// their pace decides. From ledge to ledge leads where all others are stuck. Where distances only lead to an edge, or
-/// nowhere, more is left to the others.
+/// their pace decides. Where all are stuck, most is left to a beam and to ledges: these begin anew where others go on from
+/// what they have. Where distances only lead to an edge, or nowhere, more is left to the others.
 const AUTO: Shares = Shares {
     blended: 1,
-    by_time: &[[8, 8, 4], [2, 2, 0], [8, 8, 2]],
-    beam: [8, 8, 6],
+    by_time: &[[8, 8, 4], [2, 2, 0], [8, 16, 2]],
+    beam: [8, 32, 6],
     by_jumps: &[[8, 16, 0]],
-    by_ledges: &[[4, 48, 0]],
-    coverage: [1, 8, 0],
+    by_ledges: &[[4, 64, 0]],
+    coverage: [1, 4, 0],
 };
 const TO_AN_EDGE: Shares = Shares {
     blended: 14,

@@ -165,6 +165,13 @@ pub struct Response {
     pub bounce: Bounce,
 }
 
+impl Response {
+    /// Whether a contact can move what it is of.
+    pub fn moves(self) -> bool {
+        self.push != Push::Sense || self.carry
+    }
+}
+
 /// The share of the velocity into a surface that a contact turns back, from 0 to 1.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]

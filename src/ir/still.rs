@@ -2,7 +2,7 @@
 //! looks only at those that something touches.
 
 use super::{
-    Drive, Entity, EntityId, Expr, ExprId, IdVec, Place, Program, Push, Slot, SlotId, Subject, TagSet, VarId, World,
+    Drive, Entity, EntityId, Expr, ExprId, IdVec, Place, Program, Slot, SlotId, Subject, TagSet, VarId, World,
 };
 
 /// The least number of instances that never move for which a world treats them apart.
@@ -35,11 +35,8 @@ impl Program {
         let sets = entity.action_lists().any(|actions| actions.updates.iter().any(|update| is_set(update.place)));
         // Being pushed or carried depends on the rules only.
         let is_moved = |mine: TagSet| {
-            let does = |other: &TagSet| {
-                let response = world.meeting(mine, *other).map(|meeting| meeting.response);
-                response.is_some_and(|response| response.push != Push::Sense || response.carry)
-            };
-            others.iter().any(does)
+            let mut meetings = others.iter().filter_map(|other| world.meeting(mine, *other));
+            meetings.any(|meeting| meeting.response.moves())
         };
         let mut colliders = entity.colliders.iter();
         entity.envelopes.is_empty()

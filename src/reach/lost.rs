@@ -10,7 +10,7 @@ use crate::ir::{
 use crate::sim::Simulator;
 
 use super::problem::Problem;
-use super::settled::{Settled, asked_place};
+use super::settled::{Settled, asked_place, settled};
 use super::why_not::hops;
 
 /// The conditions of a goal that never hold again once they do not.
@@ -31,7 +31,7 @@ impl Lost {
         let mut places = Vec::new();
         while let Some(id) = open.pop() {
             if let Some((slot, axes)) = asked_place(problem, space, id) {
-                places.extend(Settled::all(problem, slot, axes).into_iter().map(|settled| (id, settled)));
+                places.extend(settled(problem, slot, axes).into_iter().map(|of| (id, of)));
             }
             match program.exprs[id] {
                 Expr::And(a, b) => open.extend([a, b]),
@@ -61,7 +61,7 @@ impl Lost {
         };
         // A fault is told where the target is judged.
         let is_elsewhere = |id: ExprId| sim.holds(state, id).is_ok_and(|holds| !holds);
-        let is_place = |(id, settled): &(ExprId, Settled)| settled.is_in(sim, state) && is_elsewhere(*id);
+        let is_place = |(id, of): &(ExprId, Settled)| of.is_in(sim, state) && is_elsewhere(*id);
         self.conditions.iter().any(is_number) || self.modes.iter().any(is_mode) || self.places.iter().any(is_place)
     }
 }

@@ -3,8 +3,8 @@
 
 use crate::analysis::ConfigurationSpace;
 use crate::ir::{
-    Actions, Drive, EdgeId, Expr, ExprId, GroupId, Id, IdVec, LeafId, Origin, Place, Push, Slot, SlotId, Subject,
-    TagSet, VarId,
+    Actions, Drive, EdgeId, Expr, ExprId, GroupId, Id, IdVec, LeafId, Origin, Place, Slot, SlotId, Subject, TagSet,
+    VarId,
 };
 use crate::sim::Simulator;
 
@@ -30,9 +30,9 @@ pub(super) fn asked_place(
         Expr::Touching(Subject::Slot(slot), touch) => {
             let other = TagSet::of(program.entities[world.slots[slot].entity].touches[touch].other);
             let stays = |(id, of): (SlotId, &Slot)| {
-                let mut met = program.entities[of.entity].colliders.iter().filter(|c| c.tags.meets(other));
-                let is_steady = of.origin != Origin::Free && !is_moving(problem, space, id);
-                id == slot || met.all(|collider| is_steady && collider.guard.is_none())
+                let mut met = program.entities[of.entity].colliders.iter().filter(|c| c.tags.meets(other)).peekable();
+                let is_steady = || of.origin != Origin::Free && !is_moving(problem, space, id);
+                id == slot || met.peek().is_none() || (met.all(|c| c.guard.is_none()) && is_steady())
             };
             (slot, [world.slots.pairs().all(stays); 2])
         }
@@ -51,12 +51,6 @@ pub(super) struct Settled {
 }
 
 impl Settled {
-    /// Those of each group that has any.
-    pub fn all(problem: &Problem<'_>, slot: SlotId, axes: [bool; 2]) -> Vec<Settled> {
-        let groups = settled(problem, slot, axes).into_iter();
-        groups.map(|(group, stays)| Settled { slot, group, stays }).collect()
-    }
-
     /// Whether the instance is in one of them.
     pub fn is_in(&self, sim: &Simulator, state: &[u8]) -> bool {
         let layout = &sim.world().layout.slots[self.slot];
@@ -64,9 +58,8 @@ impl Settled {
     }
 }
 
-/// The groups of an instance with a leaf in which its position, along some axes, never changes again; for each leaf of its
-/// entity, whether it is one.
-fn settled(problem: &Problem<'_>, slot: SlotId, axes: [bool; 2]) -> Vec<(GroupId, Vec<bool>)> {
+/// For each group of an instance that has any, the leaves in which its position, along some axes, never changes again.
+pub(super) fn settled(problem: &Problem<'_>, slot: SlotId, axes: [bool; 2]) -> Vec<Settled> {
     let (program, world) = (problem.sim.program(), problem.sim.world());
     let params = &world.slots[slot].params;
     let entity = &program.entities[world.slots[slot].entity];
@@ -94,8 +87,8 @@ fn settled(problem: &Problem<'_>, slot: SlotId, axes: [bool; 2]) -> Vec<(GroupId
         entity.colliders.iter().filter(|collider| !collider.kinematic).any(|collider| {
             let asked = collider.guard.and_then(|guard| mode_of(problem, guard));
             let can_be_there = asked.is_none_or(|(mode, is_active)| entity.is_active_in(mode, leaf) == is_active);
-            let mut responses = others.iter().filter_map(|of| Some(world.meeting(collider.tags, *of)?.response));
-            can_be_there && responses.any(|response| response.push != Push::Sense || response.carry)
+            let mut meetings = others.iter().filter_map(|of| world.meeting(collider.tags, *of));
+            can_be_there && meetings.any(|meeting| meeting.response.moves())
         })
     };
     if entity.clamps.iter().any(|clamp| clamp.degree == 0 && vars.contains(&clamp.var)) {
@@ -119,7 +112,7 @@ fn settled(problem: &Problem<'_>, slot: SlotId, axes: [bool; 2]) -> Vec<(GroupId
                 && !is_pushed(leaf)
         };
         let stays: Vec<bool> = entity.leaves.ids().map(stays).collect();
-        (!is_moved && !is_set_on_entry && stays.contains(&true)).then_some((group, stays))
+        (!is_moved && !is_set_on_entry && stays.contains(&true)).then_some(Settled { slot, group, stays })
     };
     entity.groups.ids().filter_map(in_group).collect()
 }

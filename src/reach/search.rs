@@ -454,7 +454,7 @@ const AUTO: Shares = Shares {
     by_time: &[[8, 8, 4], [2, 2, 0], [8, 16, 2]],
     beam: [8, 32, 6],
     by_jumps: &[[8, 16, 0]],
-    by_ledges: &[[4, 64, 0]],
+    by_ledges: &[[4, 192, 0]],
     coverage: [1, 4, 0],
 };
 const TO_AN_EDGE: Shares = Shares {

@@ -32,9 +32,8 @@ const MISS: f64 = 16.0;
 const FAILED: u32 = 24;
 /// Maximum number of nodes on a ledge from which motions begin.
 const STANDS: usize = 24;
-/// The cost of a ledge: per place on the way from it to the goal, and per motion from it; per motion to it 1.
-const PER_PLACE: u64 = 16;
-const PER_MOTION: u32 = 2;
+/// The cost of a ledge per place on the way from it to the goal; per motion from it or to it 1.
+const PER_PLACE: u64 = 96;
 /// Maximum number of extensions in a row without a new node.
 const FRUITLESS: u32 = 5_000;
 /// One input in this number may be any; others differ in one control from that before, if one of some tries does.
@@ -77,7 +76,7 @@ struct Site {
     elite: Option<Elite>,
     /// The ledge from which a motion came near.
     from: Option<u32>,
-    /// The cost of what was tried.
+    /// Number of motions from it and to it.
     tried: u32,
     /// The distance from it to the goal, places.
     places: u32,
@@ -211,7 +210,7 @@ impl<'m> LedgeGuided<'m> {
         self.watch(context, ledge);
         let site = &mut self.sites[ledge as usize];
         let is_stood = !site.stands.is_empty();
-        site.tried += if is_stood { PER_MOTION } else { 1 };
+        site.tried += 1;
         site.elite = site.elite.filter(|elite| elite.failed < FAILED);
         let from = if is_stood { ledge } else { site.from? };
         let (motion, at, node) = match &mut site.elite {

@@ -33,7 +33,7 @@ const FAILED: u32 = 24;
 /// Maximum number of nodes on a ledge from which motions begin.
 const STANDS: usize = 24;
 /// The cost of a ledge per place on the way from it to the goal; per motion from it or to it 1.
-const PER_PLACE: u64 = 96;
+const PER_PLACE: u64 = 64;
 /// Maximum number of extensions in a row without a new node.
 const FRUITLESS: u32 = 5_000;
 /// One input in this number may be any; others differ in one control from that before, if one of some tries does.

@@ -447,8 +447,8 @@ struct Shares {
 }
 
 /// The shares as a rule: none of those that find ways is the best in most levels, so they begin with about the same, and
-/// their pace decides. Where all are stuck, most is left to a beam and to ledges: these begin anew where others go on from
-/// what they have. Where distances only lead to an edge, or nowhere, more is left to the others.
+/// their pace decides. Where all are stuck, most is left to ledges, then to a beam: these begin anew where others go on
+/// from what they have. Where distances only lead to an edge, or nowhere, more is left to the others.
 const AUTO: Shares = Shares {
     blended: 1,
     by_time: &[[8, 8, 4], [2, 2, 0], [8, 16, 2]],
